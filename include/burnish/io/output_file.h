@@ -1,0 +1,40 @@
+// OutputFile: nothing half-written is ever seen under the name the user gave.
+#pragma once
+
+#include <string>
+
+namespace burnish {
+
+// A temporary file beside its destination (`.name.XXXXXX.tmp`), which `commit` renames into place.
+// Unless committed, the destructor removes it; so does `remove_all_temporaries`, from a signal handler.
+class OutputFile {
+ public:
+  // Creates the temporary. Throws Error{unwritable_output}: the destination exists and `overwrite` is
+  // false, the folder is missing or not writable, the destination is a folder.
+  OutputFile(std::string destination, bool overwrite);
+  ~OutputFile();
+  OutputFile(const OutputFile&) = delete;
+  OutputFile& operator=(const OutputFile&) = delete;
+
+  int fd() const { return fd_; }
+  const std::string& temporary_path() const { return temporary_; }
+  const std::string& destination() const { return destination_; }
+
+  // Empties the temporary, for writing it anew.
+  void truncate();
+  // Flushes to disk and renames onto the destination (with the permissions a new file would have).
+  // Refuses, as the constructor does, if the destination appeared meanwhile and `overwrite` is false.
+  void commit();
+
+  // Unlinks the temporaries of all living OutputFiles. Async-signal-safe.
+  static void remove_all_temporaries() noexcept;
+
+ private:
+  std::string destination_;
+  std::string temporary_;
+  bool overwrite_;
+  int fd_ = -1;
+  int slot_ = -1;
+};
+
+}  // namespace burnish
