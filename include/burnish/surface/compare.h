@@ -1,0 +1,39 @@
+// Deviation: how far two surfaces are from each other, measured at sample points.
+#pragma once
+
+#include <cstddef>
+
+#include "burnish/surface/triangle_soup.h"
+
+namespace burnish {
+
+class TriangleIndex;
+
+// Distances from samples of one surface to another surface, in model units.
+struct OneSidedDistance {
+  double max = 0;
+  double mean = 0;
+  double rms = 0;
+  std::size_t samples = 0;
+};
+
+// Both directions. The symmetric Hausdorff distance of the samples is max(a_to_b.max, b_to_a.max).
+struct Deviation {
+  OneSidedDistance input_to_output;
+  OneSidedDistance output_to_input;
+};
+
+struct CompareOptions {
+  // Samples spread over the facets by area (stratified, deterministic), besides vertices.
+  std::size_t area_samples = 60'000;
+  // Vertices taken as samples, evenly spread over the point list; these find the extremes at corners.
+  std::size_t vertex_samples = 60'000;
+};
+
+// Samples `from` and measures each sample's exact distance to the surface behind `to`.
+// mean and rms are over the area samples (so they do not depend on how finely `from` is cut into
+// triangles), max over all samples. Same bits for any number of threads.
+OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to,
+                                    const CompareOptions& options = {});
+
+}  // namespace burnish
