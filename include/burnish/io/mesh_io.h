@@ -3,6 +3,27 @@
 // Reading is one pass over a memory map. Coordinates stay exact: binary float32 is widened, text is
 // read with from_chars to the nearest double. Stored normals are never looked at: orientation is the
 // order of a facet's vertices. Polygons of OBJ, PLY and OFF are cut into fans.
+//
+// What is broken is an error; what is merely odd is read, with a warning:
+//
+//   in the file                                     by default            with salvage
+//   ----------------------------------------------  --------------------  ---------------------------
+//   binary STL: count larger than the file          error                 the facets that are there
+//   binary STL: count too small, the rest is whole  all facets, warning   the same
+//     facets in the range of the promised ones
+//   binary STL: other bytes behind the facets       ignored, warning      the same
+//   ASCII STL: words that mean nothing, normals     ignored, warning      the same
+//     that are no numbers, line ends of any kind
+//   ASCII STL: file ends without `endsolid`         warning               the same
+//   ASCII STL: facet of more than three vertices    fan, warning          the same
+//   facet of fewer; file that ends within a facet   error (STL)           the facet is left out
+//   polygon of one or two corners (not STL)         left out, warning     the same
+//   coordinate that is nan, infinite or no number   error                 its facets are left out
+//   decimal commas                                  error                 read (STL), or left out
+//   index of a point that does not exist            error                 the facet is left out
+//   fewer rows than the header promises (PLY, OFF)  error                 the rows that are there
+//
+// Counts of a header are never believed before the bytes are seen, so none makes the reader allocate.
 #pragma once
 
 #include <cstddef>
@@ -33,9 +54,14 @@ struct MeshFile {
   std::vector<std::string> warnings;
 };
 
-// Reads the file at `path`. The format is found from the content first and the name second.
-// Throws Error{unreadable_input} that names file, place (byte or line), expected and found.
-// A file without a single facet is an error too: there is nothing to work on.
+// Reads the file at `path`, or standard input to its end if `path` is "-". The format is found from the
+// content first and the name second; the solids of an ASCII STL and the groups of an OBJ become groups,
+// those without facets left out.
+// Throws Error{unreadable_input} that names file, place (byte, or line counted over LF, CR and CRLF),
+// expected and found. A file without a single facet is an error too: there is nothing to work on.
+// Throws Error{interrupted} if a signal wakes it while it waits for standard input.
+// Memory: 84 bytes per facet of an STL, plus the mapping, which belongs to the system's file cache.
+// Cost: about 0.03 to 0.06 us per facet of a binary STL, 2 ns per byte of an ASCII one.
 MeshFile read_mesh(const std::string& path, const MeshReadOptions& options = {});
 
 // The same for bytes already in memory (standard input, tests, fuzzing). `label` stands for the path in
@@ -50,12 +76,16 @@ MeshFormat format_for_writing(const std::string& path);
 struct MeshWriteOptions {
   MeshFormat format = MeshFormat::stl_binary;
   bool double_precision = true;  // PLY only: double coordinates; STL is float32 by definition
-  std::string header = "burnish";  // binary STL: first 79 bytes of the header; ASCII STL: solid's name
+  // Binary STL: first 79 bytes of the header, after "STL " if it would begin with "solid", which readers
+  // take for text. ASCII STL: the solid's name, unless the soup has groups: each becomes a solid.
+  std::string header = "burnish";
 };
 
-// Writes to the open file descriptor `fd` and leaves it open. Text has as many digits as it takes to
-// read the same double back (float for ASCII STL). STL normals are computed from the rounded vertices.
-// Throws Error{unwritable_output}, naming `label`, when the system refuses bytes (disk full, closed pipe).
+// Writes to the open file descriptor `fd` and leaves it open; it need not be able to seek. Text has as
+// many digits as it takes to read the same double back, for coordinates rounded to float32 too: readers
+// of either precision see one and the same point. STL normals are computed from the rounded vertices; a facet without area gets a zero normal. OBJ and ASCII STL keep groups.
+// Throws Error{unwritable_output}, naming `label`, when the system refuses bytes (disk full; closed pipe,
+// if the program ignores SIGPIPE) and when a coordinate is beyond the range of the format's float32.
 void write_mesh(int fd, const std::string& label, const TriangleSoup& soup,
                 const MeshWriteOptions& options);
 

@@ -10,7 +10,8 @@ namespace burnish {
 class OutputFile {
  public:
   // Creates the temporary. Throws Error{unwritable_output}: the destination exists and `overwrite` is
-  // false, the folder is missing or not writable, the destination is a folder.
+  // false, the folder is missing or not writable, the destination is a folder, a device or a pipe.
+  // With `overwrite`, a destination that is a link to a file means that file; the link stays.
   OutputFile(std::string destination, bool overwrite);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
@@ -22,11 +23,12 @@ class OutputFile {
 
   // Empties the temporary, for writing it anew.
   void truncate();
-  // Flushes to disk and renames onto the destination (with the permissions a new file would have).
+  // Flushes to disk and renames onto the destination, with the permissions of the file it replaces, or
+  // those of a new file.
   // Refuses, as the constructor does, if the destination appeared meanwhile and `overwrite` is false.
   void commit();
 
-  // Unlinks the temporaries of all living OutputFiles. Async-signal-safe.
+  // Unlinks the temporaries of all living OutputFiles (the first 64 of them). Async-signal-safe.
   static void remove_all_temporaries() noexcept;
 
  private:

@@ -13,7 +13,10 @@
 namespace burnish {
 
 // Counts over a welded soup. An edge is an unordered pair of points used by a facet that has three
-// different points; facets that have not are `degenerate` and take part in nothing else.
+// different points; facets that have not take part in nothing but `degenerate_facets`. Facets that are
+// degenerate because their three points are collinear keep their edges, which close the surface like any
+// other's, and stay out of duplicates and self-intersections. Duplicates take part in everything, so the
+// edges of a facet that comes twice in a closed surface are used by three facets.
 struct Defects {
   std::size_t facets = 0;
   std::size_t points = 0;
@@ -45,25 +48,37 @@ struct Defects {
 
 struct InspectOptions {
   bool self_intersections = true;
-  // Stop collecting (not counting) self-intersecting pairs beyond this many.
+  // Stop collecting (not counting) self-intersecting pairs beyond this many: the first in sorted order stay.
   std::size_t max_collected_pairs = 1u << 20;
 };
 
 struct Inspection {
   Defects defects;
-  // Facet pairs that intersect, each once, smaller index first, sorted.
+  // Facet pairs that intersect, each once, smaller index first, sorted. See max_collected_pairs.
   std::vector<std::array<std::uint32_t, 2>> self_intersections;
 };
 
+// Where the search for self-intersections stops, and with it the count: a soup of n facets can hold n^2 / 2
+// of them. A count of exactly this many means "at least".
+inline constexpr std::size_t kMaxSelfIntersections = std::size_t{1} << 24;
+
 // Inspects a soup as `weld` returns it. Self-intersections are decided by CGAL's exact predicates.
-// About 3 us a facet and core.
 Inspection inspect(const TriangleSoup& welded, const InspectOptions& options = {},
                    Progress& progress = no_progress());
 
 // All pairs of facets that intersect other than in a shared edge or a shared point, each once, smaller
-// index first, sorted: exact predicates, broad phase by boxes. Degenerate facets are left out.
-// Same result for any number of threads.
-std::vector<std::array<std::uint32_t, 2>> self_intersecting_pairs(const TriangleSoup& welded,
-                                                                  Progress& progress = no_progress());
+// index first, sorted. Shared points are known by their index. What counts, by the points two facets share:
+//
+//   none   any common point, touching included
+//   one    any common point besides the shared one
+//   two    folded flat onto each other: coplanar, on the same side of the shared edge
+//   three  always (duplicates)
+//
+// Decided exactly, whatever the coordinates. Degenerate facets are left out. O((n + candidates) log n) where
+// candidates are pairs whose boxes overlap; stops at max_pairs pairs, then on one
+// thread: which pairs those are does not depend on the number of threads either.
+std::vector<std::array<std::uint32_t, 2>> self_intersecting_pairs(
+    const TriangleSoup& welded, Progress& progress = no_progress(),
+    std::size_t max_pairs = kMaxSelfIntersections);
 
 }  // namespace burnish

@@ -1,0 +1,34 @@
+// A signed distance field from a capped triangle soup: the level set's beginning.
+#pragma once
+
+#include <cstddef>
+
+#include "burnish/core/progress.h"
+#include "burnish/levelset/level_set.h"
+#include "burnish/surface/triangle_soup.h"
+
+namespace burnish {
+
+struct LevelSetFromTriangles {
+  LevelSet level_set;
+  std::size_t regions = 0;             // connected parts of the lattice that facets separate
+  std::size_t ambiguous_regions = 0;   // whose side had to be decided node by node
+  std::size_t winding_evaluations = 0;
+  std::size_t interior_facets = 0;     // inside the solid (of overlapping bodies): no part of its surface
+  std::size_t unresolved_facets = 0;   // outside on both sides: sheets, or walls thinner than a cell
+  double unresolved_area = 0;          // of the latter, in cells squared
+};
+
+// The signed distance to the surface of the solid that the soup bounds: exact where it is at most `band` cells,
+// +-band beyond, positive inside.
+//
+// `soup` is closed as a chain (surface/boundary_caps.h) and in model coordinates. Facets that do not separate
+// inside from outside are no part of the solid's surface and lose their influence on the distance.
+// Throws Error{interrupted}. Same bits for any number of threads.
+LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, double band,
+                                               Progress& progress = no_progress());
+
+// The soup in lattice coordinates of the frame.
+TriangleSoup to_lattice(const TriangleSoup& soup, const GridFrame& frame);
+
+}  // namespace burnish

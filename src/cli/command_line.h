@@ -1,0 +1,71 @@
+// The command line as data: one table per command, which parsing, help and suggestions all read.
+//
+// A command describes itself in a CommandLine whose setters write into the command's settings. Adding
+// an option is adding a row to one table; nothing else has to know of it.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace burnish {
+
+// A value as it was given, and by which option or operand: setters name both in their messages.
+struct GivenValue {
+  std::string_view name;  // "--cell", or an operand's name
+  std::string_view text;  // empty for a switch
+};
+
+// Stores a value. Throws Error{usage} for one that means nothing.
+using Setter = std::function<void(const GivenValue&)>;
+
+struct Option {
+  std::string_view name;   // "--output"
+  char letter = 0;         // 'o' if it is also -o; 0: there is no short form
+  std::string_view value;  // what stands for the value in help, e.g. "FILE"; empty: a switch
+  std::string_view group;  // its heading in help; options of a group stand together
+  std::string_view help;
+  Setter set;
+};
+
+// An argument without a name of its own. Every operand is required.
+struct Operand {
+  std::string_view name;
+  std::string_view help;
+  Setter set;
+};
+
+struct CommandLine {
+  std::string_view command;  // "check"
+  std::string_view summary;  // one line
+  std::vector<std::string_view> usage;
+  std::vector<Operand> operands;
+  std::vector<Option> options;
+  std::string_view notes;  // printed at the end of its help: examples, exit codes
+
+  const Option* find(std::string_view name) const;
+  const Option* find(char letter) const;
+};
+
+// One command of the program. Its settings live in the object, its table points into them.
+class Command {
+ public:
+  virtual ~Command() = default;
+  virtual CommandLine command_line() = 0;
+  // Does what the settings say, once `parse` has filled them. Returns the exit code.
+  virtual int run() = 0;
+};
+
+// Runs the setters of `line` for the `arguments` (without the program's and the command's name).
+//
+// Understood: `--name value`, `--name=value`, `-n value`, `-nvalue`, switches run together (`-qv`), and
+// `--`, after which everything is an operand. A lone `-` is an operand or a value.
+// Throws Error{usage} for unknown options (suggesting the nearest), missing or surplus values, options
+// given twice, and operands too many or too few.
+void parse(const CommandLine& line, const std::vector<std::string>& arguments);
+
+// The full help of a command, at most 80 columns wide.
+std::string help_text(const CommandLine& line);
+
+}  // namespace burnish

@@ -1,0 +1,47 @@
+#include "commands.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <filesystem>
+
+#include "burnish/core/error.h"
+#include "suggest.h"
+
+namespace burnish {
+
+const std::vector<CommandEntry>& commands() {
+  static const std::vector<CommandEntry> table = {
+      {"clean", "repair a file; the word 'clean' may be left out", make_clean_command},
+      {"check", "look at a file without changing it", make_check_command},
+      {"example", "make a dirty model to try things on", make_example_command},
+  };
+  return table;
+}
+
+const CommandEntry* find_command(std::string_view name) {
+  const auto& table = commands();
+  const auto at =
+      std::find_if(table.begin(), table.end(), [&](const CommandEntry& entry) { return entry.name == name; });
+  return at == table.end() ? nullptr : &*at;
+}
+
+std::optional<std::string> nearest_command(std::string_view word) {
+  std::vector<std::string> names = {"help"};
+  for (const CommandEntry& entry : commands()) names.emplace_back(entry.name);
+  return nearest(word, names);
+}
+
+void require_plausible_input(const std::string& path) {
+  std::error_code ignored;
+  if (path == "-" ||
+      std::filesystem::symlink_status(path, ignored).type() != std::filesystem::file_type::not_found) {
+    return;
+  }
+  const auto near = nearest_file(path);
+  if (!near) return;
+  throw Error(ErrorCode::unreadable_input, fmt::format("{}: no such file", path),
+              fmt::format("did you mean '{}'?", *near));
+}
+
+}  // namespace burnish

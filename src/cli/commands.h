@@ -1,0 +1,36 @@
+// The commands of the program, one source each.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "command_line.h"
+
+namespace burnish {
+
+std::unique_ptr<Command> make_clean_command();    // burnish IN -o OUT
+std::unique_ptr<Command> make_check_command();    // burnish check FILE
+std::unique_ptr<Command> make_example_command();  // burnish example SHAPE -o FILE
+
+struct CommandEntry {
+  std::string_view name;
+  std::string_view summary;
+  std::unique_ptr<Command> (*make)();
+};
+
+// All of them; the first is the one that needs no name.
+const std::vector<CommandEntry>& commands();
+
+// The command of that name, or none.
+const CommandEntry* find_command(std::string_view name);
+// The name of the command that `word` seems to mean.
+std::optional<std::string> nearest_command(std::string_view word);
+
+// Throws the better error for an input that does not exist, when its name resembles a file beside it.
+// Everything else about the input is for its reader to judge.
+void require_plausible_input(const std::string& path);
+
+}  // namespace burnish

@@ -1,0 +1,167 @@
+#include "summary.h"
+
+#include <fmt/format.h>
+
+#include <functional>
+
+namespace burnish {
+namespace {
+
+constexpr int kLabelWidth = 20;
+constexpr int kColumnWidth = 14;
+
+struct Row {
+  std::string_view label;
+  std::function<std::string(const Defects&)> cell;
+};
+
+std::string real(double value) { return fmt::format("{:.6g}", value); }
+
+Row count_row(std::string_view label, std::size_t Defects::*count) {
+  return {label, [count](const Defects& d) { return fmt::format("{}", d.*count); }};
+}
+
+const std::vector<Row>& rows() {
+  static const std::vector<Row> table = {
+      count_row("facets", &Defects::facets),
+      count_row("points", &Defects::points),
+      count_row("components", &Defects::components),
+      count_row("open edges", &Defects::open_edges),
+      count_row("open loops", &Defects::open_loops),
+      count_row("non-manifold edges", &Defects::non_manifold_edges),
+      count_row("non-manifold points", &Defects::non_manifold_points),
+      count_row("misoriented edges", &Defects::misoriented_edges),
+      count_row("degenerate facets", &Defects::degenerate_facets),
+      count_row("duplicate facets", &Defects::duplicate_facets),
+      {"self-intersections",
+       [](const Defects& d) {
+         return d.self_intersections_counted ? fmt::format("{}", d.self_intersecting_pairs) : "-";
+       }},
+      {"volume", [](const Defects& d) { return real(d.volume); }},
+      {"area", [](const Defects& d) { return real(d.area); }},
+      {"mean edge", [](const Defects& d) { return real(d.mean_edge); }},
+  };
+  return table;
+}
+
+std::string plural(std::size_t count, std::string_view one, std::string_view many) {
+  return fmt::format("{} {}", count, count == 1 ? one : many);
+}
+
+std::string box_line(const Box3& box) {
+  if (box.empty()) return {};
+  const Vec3 e = box.extent();
+  return fmt::format("{:<{}}{:.6g} x {:.6g} x {:.6g}, diagonal {:.6g}\n", "size", kLabelWidth, e.x, e.y, e.z,
+                     box.diagonal());
+}
+
+std::string deviation_line(std::string_view label, const OneSidedDistance& d, double diagonal) {
+  const auto share = [&](double length) { return diagonal > 0 ? 100 * length / diagonal : 0.0; };
+  return fmt::format("{:<{}}rms {:.3g} ({:.2g}%), max {:.3g} ({:.2g}%)\n", label, kLabelWidth, d.rms,
+                     share(d.rms), d.max, share(d.max));
+}
+
+std::string defects_table(const RepairReport& report, bool has_after) {
+  std::string text = fmt::format("{:<{}}{:>{}}{:>{}}\n", "", kLabelWidth, "before", kColumnWidth,
+                                 has_after ? "after" : "", kColumnWidth);
+  for (const Row& row : rows()) {
+    text += fmt::format("{:<{}}{:>{}}{:>{}}\n", row.label, kLabelWidth, row.cell(report.before), kColumnWidth,
+                        has_after ? row.cell(report.after) : "", kColumnWidth);
+  }
+  return text;
+}
+
+std::string verdict(const RepairReport& report) {
+  if (report.verified && report.written) return fmt::format("{}: a valid solid", report.output);
+  if (!report.written) return fmt::format("{}: not written", report.output);
+  const std::string found = problems(report.after);
+  return fmt::format("{}: written, but not verified{}{}", report.output, found.empty() ? "" : ": ", found);
+}
+
+std::string options_details(const ResolvedOptions& options) {
+  std::string text =
+      fmt::format("\n{:<{}}{:.6g}{}, {:.4g} along the longest side\n", "cell", kLabelWidth, options.cell,
+                  options.cell_was_chosen ? " (chosen)" : "", options.cells_along_longest_side);
+  if (options.smooth > 0) text += fmt::format("{:<{}}{:.6g}\n", "smooth", kLabelWidth, options.smooth);
+  if (options.deviation) text += fmt::format("{:<{}}{:.6g}\n", "deviation", kLabelWidth, *options.deviation);
+  return text;
+}
+
+std::string actions_details(const RepairActions& a) {
+  std::string text;
+  const auto line = [&](std::string_view label, std::size_t count) {
+    if (count > 0) text += fmt::format("{:<32}{}\n", label, count);
+  };
+  line("degenerate facets dropped", a.degenerate_facets_dropped);
+  line("duplicate facets dropped", a.duplicate_facets_dropped);
+  line("points welded by tolerance", a.points_welded_within_tolerance);
+  line("facets flipped", a.facets_flipped);
+  line("open loops capped", a.open_loops_capped);
+  line("ambiguous regions", a.ambiguous_regions);
+  line("interior facets ignored", a.interior_facets_ignored);
+  line("islands dropped", a.islands_dropped);
+  return text.empty() ? text : "\n" + text;
+}
+
+std::string stages_details(const std::vector<StageCost>& stages) {
+  std::string text = fmt::format("\n{:<32}{:>10}{:>10}{:>10}\n", "stage", "seconds", "CPU s", "peak MB");
+  for (const StageCost& stage : stages) {
+    text += fmt::format("{:<32}{:>10.2f}{:>10.2f}{:>10.0f}\n", stage.name, stage.wall_seconds,
+                        stage.cpu_seconds, static_cast<double>(stage.peak_bytes) / 1e6);
+  }
+  return text;
+}
+
+std::string details_of(const RepairReport& report) {
+  return options_details(report.options) +
+         fmt::format("{:<{}}{} of 8 x 8 x 8 cells, {} of them finest, {} levels\n", "blocks", kLabelWidth,
+                     report.grid.blocks, report.grid.finest_blocks, report.grid.levels) +
+         actions_details(report.actions) + stages_details(report.stages);
+}
+
+}  // namespace
+
+std::string problems(const Defects& d) {
+  std::string text;
+  const auto add = [&](std::size_t count, std::string_view one, std::string_view many) {
+    if (count > 0) text += (text.empty() ? "" : ", ") + plural(count, one, many);
+  };
+  if (d.facets == 0) return "no facets";
+  add(d.open_edges, "open edge", "open edges");
+  if (d.open_edges > 0) text += " in " + plural(d.open_loops, "loop", "loops");
+  add(d.non_manifold_edges, "non-manifold edge", "non-manifold edges");
+  add(d.non_manifold_points, "non-manifold point", "non-manifold points");
+  add(d.misoriented_edges, "misoriented edge", "misoriented edges");
+  add(d.degenerate_facets, "degenerate facet", "degenerate facets");
+  add(d.duplicate_facets, "duplicate facet", "duplicate facets");
+  add(d.self_intersecting_pairs, "self-intersecting pair", "self-intersecting pairs");
+  if (!text.empty() || d.valid_solid()) return text;
+  if (!d.self_intersections_counted) return "self-intersections were not looked for";
+  return d.volume < 0 ? "turned inside out" : "no volume";
+}
+
+std::string check_summary(const CheckResult& result) {
+  std::string text = fmt::format("{} ({})\n\n", result.input, result.input_format);
+  for (const Row& row : rows()) {
+    text += fmt::format("{:<{}}{:>{}}\n", row.label, kLabelWidth, row.cell(result.defects), kColumnWidth);
+  }
+  text += box_line(result.defects.box);
+  if (result.valid_solid) return text + "\nvalid solid\n";
+  return text + fmt::format("\nnot a valid solid: {}\n", problems(result.defects));
+}
+
+std::string clean_summary(const RepairReport& report, double wall_seconds, bool details) {
+  const bool has_after = report.after.facets > 0;
+  std::string text = fmt::format("{} -> {}\n\n", report.input, report.output);
+  text += defects_table(report, has_after);
+  text += '\n';
+  if (report.deviation.input_to_output.samples > 0) {
+    const double diagonal = report.before.box.diagonal();
+    text += deviation_line("input -> output", report.deviation.input_to_output, diagonal);
+    text += deviation_line("output -> input", report.deviation.output_to_input, diagonal);
+  }
+  if (details) text += details_of(report) + '\n';
+  return text + fmt::format("{} ({:.1f} s)\n", verdict(report), wall_seconds);
+}
+
+}  // namespace burnish

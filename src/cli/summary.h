@@ -1,0 +1,22 @@
+// Results as people read them: the tables they paste into forums, at most 80 columns wide.
+#pragma once
+
+#include <string>
+
+#include "burnish/pipeline/check.h"
+#include "burnish/pipeline/report.h"
+
+namespace burnish {
+
+// What keeps a soup from being a valid solid, e.g. "12 open edges in 2 loops, 1 duplicate facet".
+// Empty for a valid solid.
+std::string problems(const Defects& defects);
+
+// One column of counts and the verdict.
+std::string check_summary(const CheckResult& result);
+
+// The before -> after table, the deviation in both directions, the verdict and the time.
+// `details` adds the resolved options, what was done to the facets, the grid and the stages.
+std::string clean_summary(const RepairReport& report, double wall_seconds, bool details);
+
+}  // namespace burnish

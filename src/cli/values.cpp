@@ -1,0 +1,87 @@
+#include "values.h"
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <cmath>
+
+#include "burnish/core/error.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::string_view kLengthHint =
+    "lengths are written as 0.5 (the model's units), 0.2% (of the diagonal) or 2h (cells)";
+
+[[noreturn]] void refuse(const GivenValue& given, std::string_view complaint, std::string_view hint) {
+  throw Error(ErrorCode::usage, fmt::format("{} {}: {}", given.name, given.text, complaint),
+              std::string(hint));
+}
+
+[[noreturn]] void refuse_length(const GivenValue& given) {
+  if (given.text.starts_with('-')) refuse(given, "a length must be greater than zero", "");
+  if (given.text.find(',') != std::string_view::npos) {
+    refuse(given, "not a length", "numbers have a decimal point, not a comma: 0.5");
+  }
+  if (given.text.ends_with("mm") || given.text.ends_with("cm")) {
+    refuse(given, "not a length", "leave the unit out: a plain number is in the model's own units");
+  }
+  refuse(given, "not a length", kLengthHint);
+}
+
+}  // namespace
+
+Length positive_length(const GivenValue& given) {
+  const auto length = parse_length(given.text);
+  if (!length) refuse_length(given);
+  if (!(length->value > 0)) refuse(given, "a length must be greater than zero", "");
+  return *length;
+}
+
+Length cell_length(const GivenValue& given) {
+  const Length length = positive_length(given);
+  if (length.unit == LengthUnit::cells) {
+    refuse(given, "a cell's side cannot be given in cells",
+           "write it as 0.5 (the model's units) or 0.2% (of the diagonal)");
+  }
+  return length;
+}
+
+std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most) {
+  std::uint64_t value = 0;
+  const char* const end = given.text.data() + given.text.size();
+  const auto [stop, error] = std::from_chars(given.text.data(), end, value);
+  if (error != std::errc{} || stop != end || value < least || value > most) {
+    refuse(given, fmt::format("expected a whole number from {} to {}", least, most), "");
+  }
+  return value;
+}
+
+double non_negative_number(const GivenValue& given) {
+  double value = 0;
+  const char* const end = given.text.data() + given.text.size();
+  const auto [stop, error] = std::from_chars(given.text.data(), end, value);
+  if (error != std::errc{} || stop != end || !std::isfinite(value) || value < 0) {
+    refuse(given, "expected a number that is not negative", "");
+  }
+  return value;
+}
+
+std::uint64_t byte_count(const GivenValue& given) {
+  const auto bytes = parse_bytes(given.text);
+  if (!bytes) refuse(given, "not an amount of memory", "write it as 800M or 4G");
+  return *bytes;
+}
+
+Setter switch_on(bool& flag) {
+  return [&flag](const GivenValue&) { flag = true; };
+}
+
+Setter store_text(std::string& text) {
+  return [&text](const GivenValue& given) {
+    if (given.text.empty()) throw Error(ErrorCode::usage, fmt::format("{} is empty", given.name));
+    text = given.text;
+  };
+}
+
+}  // namespace burnish

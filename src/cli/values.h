@@ -1,0 +1,29 @@
+// Setters' helpers: what a value must look like, and what to say when it does not.
+//
+// All throw Error{usage} whose message reads `--cell 0,5: not a length` and whose hint is the way out.
+// Reading is independent of the locale.
+#pragma once
+
+#include <cstdint>
+
+#include "burnish/core/length.h"
+#include "command_line.h"
+
+namespace burnish {
+
+// A length greater than zero, in any unit.
+Length positive_length(const GivenValue& given);
+// A cell's side: greater than zero, and not in cells.
+Length cell_length(const GivenValue& given);
+// A whole number within [least, most].
+std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most);
+// A finite number that is not negative.
+double non_negative_number(const GivenValue& given);
+// A number of bytes such as 800M or 4G.
+std::uint64_t byte_count(const GivenValue& given);
+
+// Rows that several commands' tables share.
+Setter switch_on(bool& flag);
+Setter store_text(std::string& text);
+
+}  // namespace burnish

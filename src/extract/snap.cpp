@@ -1,0 +1,168 @@
+#include "snap.h"
+
+#include <algorithm>
+
+namespace burnish::detail {
+namespace {
+
+constexpr double kLeastVolume = 0.04;  // of a moved tetrahedron, as part of an unmoved one's
+
+constexpr Step negative(Step s) { return {-s.x, -s.y, -s.z}; }
+constexpr Step minus(Step a, Step b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+constexpr int kNeighbors = 14;
+constexpr Step neighbor_step(int k) {
+  return k < 7 ? kEdgeSteps[static_cast<std::size_t>(k)] : negative(kEdgeSteps[static_cast<std::size_t>(k - 7)]);
+}
+
+constexpr int neighbor_number(Step s) {
+  for (int k = 0; k < kNeighbors; ++k) {
+    const Step t = neighbor_step(k);
+    if (t.x == s.x && t.y == s.y && t.z == s.z) return k;
+  }
+  return -1;
+}
+
+// One of the 24 tetrahedra around a node: its corners by neighbour number, positively oriented, -1 the node itself.
+using StarTetrahedron = std::array<int, 4>;
+
+constexpr std::array<StarTetrahedron, 24> make_star() {
+  std::array<StarTetrahedron, 24> star{};
+  std::size_t n = 0;
+  for (const KuhnTetrahedron& t : kKuhn)
+    for (int self = 0; self < 4; ++self) {
+      const auto corner = [&](int i) {
+        const int c = t.corners[static_cast<std::size_t>(i)];
+        return Step{c & 1, c >> 1 & 1, c >> 2 & 1};
+      };
+      for (int i = 0; i < 4; ++i)
+        star[n][static_cast<std::size_t>(i)] = i == self ? -1 : neighbor_number(minus(corner(i), corner(self)));
+      ++n;
+    }
+  return star;
+}
+
+constexpr auto kStar = make_star();
+
+double squared_move(const LatticeView& view, LocalNode n) {
+  return squared_norm(view.position(n) - Vec3{static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)});
+}
+
+// The points at which the surface meets the boundary of a node's star, and how they are linked: vertices of a graph
+// that is a single cycle exactly if the surface around the node is one disc.
+class LinkCurve {
+ public:
+  // Points: crossing of link edge (a, b), or link node a on the surface.
+  static int edge_point(int a, int b) { return kNeighbors + std::min(a, b) * kNeighbors + std::max(a, b); }
+
+  void link(int p, int q) {
+    for (const int point : {p, q}) {
+      if (degree_[point] == 0) {
+        parent_[point] = point;
+        ++components_;
+      }
+      if (++degree_[point] > 2) branches_ = true;
+      points_ += degree_[point] == 1;
+      odd_ += degree_[point] == 1 ? 1 : -1;
+    }
+    const int a = find(p), b = find(q);
+    if (a != b) {
+      parent_[a] = b;
+      --components_;
+    }
+  }
+  bool is_single_cycle() const { return points_ >= 3 && components_ == 1 && odd_ == 0 && !branches_; }
+
+ private:
+  int find(int p) const {
+    while (parent_[p] != p) p = parent_[p];
+    return p;
+  }
+
+  static constexpr int kPoints = kNeighbors + kNeighbors * kNeighbors;
+  std::array<int, kPoints> degree_{};
+  std::array<int, kPoints> parent_{};
+  int points_ = 0, components_ = 0, odd_ = 0;
+  bool branches_ = false;
+};
+
+bool surface_is_a_disc(const std::array<Side, kNeighbors>& side) {
+  LinkCurve curve;
+  // Link edges between two nodes on the surface: which sides the two triangles beside them see.
+  std::array<std::uint8_t, kNeighbors * kNeighbors> seen{};
+  for (const StarTetrahedron& t : kStar) {
+    std::array<int, 3> link{};
+    std::size_t n = 0;
+    for (const int corner : t)
+      if (corner >= 0) link[n++] = corner;
+    std::array<int, 3> on{}, in{}, out{};
+    std::size_t ons = 0, ins = 0, outs = 0;
+    for (const int k : link) {
+      const Side s = side[static_cast<std::size_t>(k)];
+      if (s == kOn) on[ons++] = k;
+      if (s == kIn) in[ins++] = k;
+      if (s == kOut) out[outs++] = k;
+    }
+    if (ins == 1 && outs == 1) curve.link(on[0], LinkCurve::edge_point(in[0], out[0]));
+    if (ins == 1 && outs == 2) curve.link(LinkCurve::edge_point(in[0], out[0]), LinkCurve::edge_point(in[0], out[1]));
+    if (ins == 2 && outs == 1) curve.link(LinkCurve::edge_point(in[0], out[0]), LinkCurve::edge_point(in[1], out[0]));
+    if (ons == 2) {
+      std::uint8_t& sides = seen[static_cast<std::size_t>(std::min(on[0], on[1]) * kNeighbors + std::max(on[0], on[1]))];
+      sides |= ins ? 1 : 2;
+      if (sides == 3) curve.link(on[0], on[1]);
+    }
+    if (ons == 3) return false;
+  }
+  return curve.is_single_cycle();
+}
+
+}  // namespace
+
+Move best_move(const LatticeView& view, LocalNode n) {
+  if (view.plain[LatticeView::at(n)]) return kStays;
+  const Side here = view.sign(n);
+  Move best = kStays;
+  double least = 1e300;
+  for (int k = 0; k < kNeighbors; ++k) {
+    const Step s = neighbor_step(k);
+    const LocalNode other = n + s;
+    if (view.sign(other) == here || view.plain[LatticeView::at(other)]) continue;
+    const double p = view.phi[LatticeView::at(n)], q = view.phi[LatticeView::at(other)];
+    const double t = p / (p - q);
+    if (t >= kSnap) continue;
+    const double length2 = t * t * (s.x * s.x + s.y * s.y + s.z * s.z);
+    if (length2 < least) {
+      least = length2;
+      best = static_cast<Move>(k);
+    }
+  }
+  return best;
+}
+
+bool must_stay(const LatticeView& view, LocalNode n) {
+  const double here = squared_move(view, n);
+  std::array<Vec3, kNeighbors> position;
+  std::array<Side, kNeighbors> side;
+  for (int k = 0; k < kNeighbors; ++k) {
+    const LocalNode other = n + neighbor_step(k);
+    position[static_cast<std::size_t>(k)] = view.position(other);
+    side[static_cast<std::size_t>(k)] = view.side(other);
+  }
+  const Vec3 self = view.position(n);
+  for (const StarTetrahedron& t : kStar) {
+    std::array<Vec3, 4> v;
+    int on = 0;
+    bool farthest = true;
+    for (std::size_t i = 0; i < 4; ++i) {
+      v[i] = t[i] < 0 ? self : position[static_cast<std::size_t>(t[i])];
+      if (t[i] < 0 || side[static_cast<std::size_t>(t[i])] != kOn) continue;
+      ++on;
+      farthest = farthest && squared_move(view, n + neighbor_step(t[i])) <= here;
+    }
+    const double volume = dot(v[1] - v[0], cross(v[2] - v[0], v[3] - v[0]));
+    if ((volume < kLeastVolume || on == 3) && farthest) return true;
+  }
+  return !surface_is_a_disc(side);
+}
+
+}  // namespace burnish::detail

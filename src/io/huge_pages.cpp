@@ -1,0 +1,18 @@
+#include "huge_pages.h"
+
+#include <sys/mman.h>
+
+#include <cstdint>
+
+namespace burnish {
+
+void advise_huge_pages(void* start, std::size_t size) {
+  constexpr std::uintptr_t kPage = 4096;
+  constexpr std::size_t kWorthIt = std::size_t{8} << 20;
+  if (size < kWorthIt) return;
+  const std::uintptr_t begin = (reinterpret_cast<std::uintptr_t>(start) + kPage - 1) & ~(kPage - 1);
+  const std::uintptr_t end = (reinterpret_cast<std::uintptr_t>(start) + size) & ~(kPage - 1);
+  static_cast<void>(::madvise(reinterpret_cast<void*>(begin), end - begin, MADV_HUGEPAGE));
+}
+
+}  // namespace burnish

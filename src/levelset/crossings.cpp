@@ -1,0 +1,156 @@
+#include "burnish/levelset/crossings.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kEdgeOn = 1e-7;  // a facet whose normal is this perpendicular to the axis has no depth of its own
+
+struct NodeRange {
+  int begin, end;
+};
+
+NodeRange columns(double low, double high) {
+  return {static_cast<int>(std::ceil(std::max(low - kTouching, 0.0))),
+          static_cast<int>(std::floor(std::min(high + kTouching, kBlockSide - 1.0))) + 1};
+}
+
+// One facet seen along one axis of a block; coordinates relative to the block's corner.
+class AxisView {
+ public:
+  AxisView(const std::array<Vec3, 3>& v, int axis) : v_(v), axis_(axis), u_((axis + 1) % 3), w_((axis + 2) % 3) {
+    normal_ = cross(v[1] - v[0], v[2] - v[0]);
+    edge_on_ = std::abs(normal_[axis]) <= kEdgeOn * norm(normal_);
+    side_ = normal_[axis] > 0 ? 1 : -1;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 e = v[(i + 1) % 3] - v[i];
+      slack_[i] = kTouching * std::hypot(e[u_], e[w_]);
+    }
+  }
+
+  // Calls mark(k) for every edge k = 0..7 (from node k to k + 1) of column (i, j) that the facet crosses.
+  template <class Mark>
+  void column(int i, int j, Mark&& mark) const {
+    if (!covers(i, j)) return;
+    double low = low_(axis_), high = high_(axis_);
+    if (!edge_on_) {
+      const double depth = v_[0][axis_] - (normal_[u_] * (i - v_[0][u_]) + normal_[w_] * (j - v_[0][w_])) / normal_[axis_];
+      low = high = std::clamp(depth, low, high);
+    }
+    const int first = static_cast<int>(std::floor(std::max(low - kTouching, 0.0)));
+    const int last = static_cast<int>(std::floor(std::min(high + kTouching, kBlockSide - 0.5)));
+    if (high + kTouching < 0) return;
+    for (int k = first; k <= last; ++k) mark(k);
+  }
+
+  double low_(int axis) const { return std::min({v_[0][axis], v_[1][axis], v_[2][axis]}); }
+  double high_(int axis) const { return std::max({v_[0][axis], v_[1][axis], v_[2][axis]}); }
+  int u() const { return u_; }
+  int w() const { return w_; }
+
+ private:
+  bool covers(int i, int j) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vec3 &p = v_[k], &q = v_[(k + 1) % 3];
+      const double e = side_ * ((q[u_] - p[u_]) * (j - p[w_]) - (q[w_] - p[w_]) * (i - p[u_]));
+      if (e < -slack_[k]) return false;
+      if (edge_on_ && e > slack_[k]) return false;
+    }
+    return true;
+  }
+
+  const std::array<Vec3, 3>& v_;
+  int axis_, u_, w_;
+  Vec3 normal_;
+  bool edge_on_;
+  double side_;
+  std::array<double, 3> slack_{};
+};
+
+// Calls visit(node, axis) for every lattice edge owned by the leaf that the facet crosses.
+template <class Visit>
+void for_each_crossing(const TriangleSoup& soup, const SurfaceOctree& grid, std::size_t leaf, std::uint32_t facet,
+                       Visit&& visit) {
+  const LatticeNode corner = lattice_node(grid.octree, leaf, 0, 0, 0);
+  const Vec3 base{static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
+  const std::array<Vec3, 3> v{soup.corner(facet, 0) - base, soup.corner(facet, 1) - base, soup.corner(facet, 2) - base};
+  const Vec3 low = min(min(v[0], v[1]), v[2]), high = max(max(v[0], v[1]), v[2]);
+  for (int a = 0; a < 3; ++a)
+    if (low[a] > kBlockSide + kTouching || high[a] < -kTouching) return;
+  for (int axis = 0; axis < 3; ++axis) {
+    const AxisView view(v, axis);
+    const NodeRange ru = columns(low[view.u()], high[view.u()]), rw = columns(low[view.w()], high[view.w()]);
+    for (int j = rw.begin; j < rw.end; ++j)
+      for (int i = ru.begin; i < ru.end; ++i)
+        view.column(i, j, [&](int k) {
+          std::array<int, 3> at{};
+          at[static_cast<std::size_t>(view.u())] = i;
+          at[static_cast<std::size_t>(view.w())] = j;
+          at[static_cast<std::size_t>(axis)] = k;
+          visit(at, axis);
+        });
+  }
+}
+
+template <class PerLeaf>
+void for_each_near_leaf(const SurfaceOctree& grid, Progress& progress, PerLeaf&& per_leaf) {
+  parallel_ranges(grid.octree.size(), 32, [&](std::size_t begin, std::size_t end) {
+    progress.check();
+    for (std::size_t leaf = begin; leaf < end; ++leaf)
+      if (grid.near_surface(leaf)) per_leaf(leaf);
+  });
+}
+
+// The value at the next node along an axis; near blocks have neighbours of their own level there.
+std::uint8_t next_value(const SurfaceOctree& grid, const Field<std::uint8_t>& field, std::size_t leaf,
+                        std::array<int, 3> at, int axis) {
+  const auto a = static_cast<std::size_t>(axis);
+  if (++at[a] < kBlockSide) return field.block(leaf)[node_index(at[0], at[1], at[2])];
+  at[a] = 0;
+  const int dir = direction(axis == 0, axis == 1, axis == 2);
+  if (grid.octree.neighbor_kind(leaf, dir) != NeighborKind::same) return 0;
+  return field.block(grid.octree.neighbor(leaf, dir))[node_index(at[0], at[1], at[2])];
+}
+
+}  // namespace
+
+Field<std::uint8_t> crossed_edges(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, Progress& progress) {
+  Field<std::uint8_t> crossed(grid.octree.size(), 0);
+  for_each_near_leaf(grid, progress, [&](std::size_t leaf) {
+    std::uint8_t* bits = crossed.block(leaf);
+    for (const std::uint32_t f : grid.facets_of(leaf))
+      for_each_crossing(lattice_soup, grid, leaf, f, [&](const std::array<int, 3>& at, int axis) {
+        bits[node_index(at[0], at[1], at[2])] |= static_cast<std::uint8_t>(1u << axis);
+      });
+  });
+  return crossed;
+}
+
+std::vector<FacetSides> facet_sides(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
+                                    const Field<std::uint8_t>& inside, Progress& progress) {
+  // One byte of flags a facet; blocks that share a facet only ever set bits, so order does not matter.
+  std::vector<std::uint8_t> flags(lattice_soup.facets.size(), 0);
+  for_each_near_leaf(grid, progress, [&](std::size_t leaf) {
+    for (const std::uint32_t f : grid.facets_of(leaf)) {
+      std::uint8_t seen = 0;
+      for_each_crossing(lattice_soup, grid, leaf, f, [&](const std::array<int, 3>& at, int axis) {
+        const bool here = inside.block(leaf)[node_index(at[0], at[1], at[2])] != 0;
+        const bool next = next_value(grid, inside, leaf, at, axis) != 0;
+        seen |= static_cast<std::uint8_t>(here != next ? 1 : here ? 2 : 4);
+      });
+      if (seen) std::atomic_ref<std::uint8_t>(flags[f]).fetch_or(seen, std::memory_order_relaxed);
+    }
+  });
+  std::vector<FacetSides> sides(flags.size());
+  for (std::size_t f = 0; f < flags.size(); ++f)
+    sides[f] = {(flags[f] & 1) != 0, (flags[f] & 2) != 0, (flags[f] & 4) != 0};
+  return sides;
+}
+
+}  // namespace burnish

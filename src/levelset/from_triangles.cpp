@@ -1,0 +1,103 @@
+#include "burnish/levelset/from_triangles.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "burnish/core/parallel.h"
+#include "burnish/levelset/crossings.h"
+#include "burnish/levelset/distance.h"
+#include "burnish/levelset/sign.h"
+#include "burnish/surface/triangle_index.h"
+
+namespace burnish {
+namespace {
+
+// Whether the corners of the cell that holds point p are all on one side.
+bool cell_is_uniform(const SurfaceOctree& grid, const Field<std::uint8_t>& inside, const Vec3& p) {
+  const std::array<std::int32_t, 3> low{static_cast<std::int32_t>(std::floor(p.x)), static_cast<std::int32_t>(std::floor(p.y)),
+                                        static_cast<std::int32_t>(std::floor(p.z))};
+  int count = 0;
+  for (int c = 0; c < 8; ++c) {
+    const std::array<std::int32_t, 3> at{low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2 & 1)};
+    const auto block = [&](std::size_t a) { return static_cast<std::uint32_t>(at[a]) / kBlockSide; };
+    const std::size_t leaf = grid.octree.find({block(0), block(1), block(2)});
+    count += inside.block(leaf)[node_index(at[0] % kBlockSide, at[1] % kBlockSide, at[2] % kBlockSide)];
+  }
+  return count == 0 || count == 8;
+}
+
+// Which facets bound the solid. A facet that crosses no lattice edge may, and one beside the boundary is within a
+// cell of it: both are kept.
+std::vector<char> boundary_facets(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
+                                  const Field<std::uint8_t>& inside, const std::vector<FacetSides>& sides,
+                                  LevelSetFromTriangles& result) {
+  std::vector<char> active(sides.size(), 1);
+  for (std::size_t f = 0; f < sides.size(); ++f) {
+    const FacetSides& s = sides[f];
+    if (s.separates || !(s.within_inside || s.within_outside)) continue;
+    const Vec3 centroid = (lattice_soup.corner(f, 0) + lattice_soup.corner(f, 1) + lattice_soup.corner(f, 2)) / 3.0;
+    if (!cell_is_uniform(grid, inside, centroid)) continue;
+    active[f] = 0;
+    if (s.within_inside) {
+      ++result.interior_facets;
+    } else {
+      ++result.unresolved_facets;
+      result.unresolved_area += 0.5 * norm(facet_normal_2a(lattice_soup, f));
+    }
+  }
+  return active;
+}
+
+// Distances anew for the leaves that some facet has left.
+void recompute_without(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, double band,
+                       const std::vector<char>& active, Field<float>& distance) {
+  parallel_for(
+      grid.octree.size(),
+      [&](std::size_t leaf) {
+        const auto facets = grid.facets_of(leaf);
+        if (std::all_of(facets.begin(), facets.end(), [&](std::uint32_t f) { return active[f] != 0; })) return;
+        std::array<double, kBlockNodes> squared;
+        std::array<std::uint32_t, kBlockNodes> nearest;
+        exact_squared_distances(lattice_soup, grid, leaf, band, active, squared.data(), nearest.data());
+        std::transform(squared.begin(), squared.end(), distance.block(leaf),
+                       [](double d2) { return static_cast<float>(std::sqrt(d2)); });
+      },
+      16);
+}
+
+}  // namespace
+
+TriangleSoup to_lattice(const TriangleSoup& soup, const GridFrame& frame) {
+  TriangleSoup lattice{soup.points, soup.facets, {}};
+  parallel_for(lattice.points.size(), [&](std::size_t i) { lattice.points[i] = frame.to_lattice(lattice.points[i]); });
+  return lattice;
+}
+
+LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, double band,
+                                               Progress& progress) {
+  LevelSetFromTriangles result;
+  const TriangleSoup lattice_soup = to_lattice(soup, frame);
+  LevelSet& set = result.level_set;
+  set.frame = frame;
+  set.band = band;
+  set.grid = grow_uniform_band(lattice_soup, frame.depth, band, progress);
+  set.phi = exact_distances(lattice_soup, set.grid, band, {}, progress).distance;
+  const TriangleIndex triangles(lattice_soup);
+  const Field<std::uint8_t> crossed = crossed_edges(lattice_soup, set.grid, progress);
+  const InsideField classified = classify_nodes(set.grid, set.phi, crossed, triangles, progress);
+  result.regions = classified.regions;
+  result.ambiguous_regions = classified.ambiguous_regions;
+  result.winding_evaluations = classified.evaluations;
+
+  const auto sides = facet_sides(lattice_soup, set.grid, classified.inside, progress);
+  const std::vector<char> active = boundary_facets(lattice_soup, set.grid, classified.inside, sides, result);
+  if (result.interior_facets + result.unresolved_facets > 0)
+    recompute_without(lattice_soup, set.grid, band, active, set.phi);
+  parallel_for(set.phi.values.size(), [&](std::size_t i) {
+    if (!classified.inside.values[i]) set.phi.values[i] = -set.phi.values[i];
+  });
+  return result;
+}
+
+}  // namespace burnish

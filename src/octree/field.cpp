@@ -1,0 +1,118 @@
+#include "burnish/octree/field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+
+namespace burnish {
+namespace {
+
+morton::Position block_of(const LatticeNode& node) {
+  return {static_cast<std::uint32_t>(node.x) / kBlockSide, static_cast<std::uint32_t>(node.y) / kBlockSide,
+          static_cast<std::uint32_t>(node.z) / kBlockSide};
+}
+
+LatticeNode clamped(const Octree& tree, LatticeNode node) {
+  const auto last = static_cast<std::int32_t>(tree.side()) * kBlockSide - 1;
+  return {std::clamp(node.x, 0, last), std::clamp(node.y, 0, last), std::clamp(node.z, 0, last)};
+}
+
+double lerp(double a, double b, double t) { return a + t * (b - a); }
+
+// Where the copied range of one axis lies: in the halo below, in the block, in the halo above.
+struct Range {
+  int begin, end;
+};
+
+Range halo_range(int offset, int width) {
+  if (offset < 0) return {-width, 0};
+  if (offset > 0) return {kBlockSide, kBlockSide + width};
+  return {0, kBlockSide};
+}
+
+}  // namespace
+
+template <class T>
+double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
+  const LatticeNode inside = clamped(tree, node);
+  const std::uint32_t leaf = tree.find(block_of(inside));
+  const int l = tree.level(leaf);
+  const morton::Position c = tree.corner(leaf);
+  const std::int32_t mask = (1 << l) - 1;
+  const std::array<std::int32_t, 3> local{inside.x - static_cast<std::int32_t>(c.x) * kBlockSide,
+                                          inside.y - static_cast<std::int32_t>(c.y) * kBlockSide,
+                                          inside.z - static_cast<std::int32_t>(c.z) * kBlockSide};
+  // Beyond the wall there is no node to interpolate to: the coarse node below continues.
+  const bool beyond = inside.x != node.x || inside.y != node.y || inside.z != node.z;
+  if (beyond || ((local[0] | local[1] | local[2]) & mask) == 0)
+    return field.block(leaf)[node_index(local[0] >> l, local[1] >> l, local[2] >> l)];
+  std::array<std::array<std::int32_t, 2>, 3> ends{};
+  std::array<double, 3> t{};
+  const std::array<std::int32_t, 3> at{inside.x, inside.y, inside.z};
+  for (std::size_t a = 0; a < 3; ++a) {
+    const std::int32_t rest = local[a] & mask;
+    ends[a] = {at[a] - rest, at[a] - rest + (rest ? mask + 1 : 0)};
+    t[a] = static_cast<double>(rest) / (mask + 1);
+  }
+  const auto corner_value = [&](int x, int y, int z) {
+    return node_value(tree, field, {ends[0][static_cast<std::size_t>(x)], ends[1][static_cast<std::size_t>(y)],
+                                    ends[2][static_cast<std::size_t>(z)]});
+  };
+  const auto along_x = [&](int y, int z) {
+    return t[0] == 0 ? corner_value(0, y, z) : lerp(corner_value(0, y, z), corner_value(1, y, z), t[0]);
+  };
+  const auto along_y = [&](int z) { return t[1] == 0 ? along_x(0, z) : lerp(along_x(0, z), along_x(1, z), t[1]); };
+  return t[2] == 0 ? along_y(0) : lerp(along_y(0), along_y(1), t[2]);
+}
+
+template <class T>
+double sample(const Octree& tree, const Field<T>& field, double x, double y, double z) {
+  const LatticeNode at = clamped(tree, {static_cast<std::int32_t>(std::floor(x)), static_cast<std::int32_t>(std::floor(y)),
+                                        static_cast<std::int32_t>(std::floor(z))});
+  const int l = tree.level(tree.find(block_of(at)));
+  const std::int32_t size = 1 << l;
+  const LatticeNode low{at.x & ~(size - 1), at.y & ~(size - 1), at.z & ~(size - 1)};
+  const double tx = (x - low.x) / size, ty = (y - low.y) / size, tz = (z - low.z) / size;
+  const auto v = [&](int i, int j, int k) {
+    return node_value(tree, field, {low.x + i * size, low.y + j * size, low.z + k * size});
+  };
+  const auto plane = [&](int k) {
+    return lerp(lerp(v(0, 0, k), v(1, 0, k), tx), lerp(v(0, 1, k), v(1, 1, k), tx), ty);
+  };
+  return lerp(plane(0), plane(1), tz);
+}
+
+template <class T>
+void gather(const Octree& tree, const Field<T>& field, std::size_t leaf, int width, T* dense) {
+  const int side = kBlockSide + 2 * width;
+  const auto at = [&](int i, int j, int k) -> T& {
+    return dense[(i + width) + side * ((j + width) + side * (k + width))];
+  };
+  for (int dir = 0; dir < kDirections; ++dir) {
+    const auto [dx, dy, dz] = offset_of(dir);
+    const Range rx = halo_range(dx, width), ry = halo_range(dy, width), rz = halo_range(dz, width);
+    if (tree.neighbor_kind(leaf, dir) == NeighborKind::same) {
+      const T* source = field.block(tree.neighbor(leaf, dir));
+      const std::size_t run = sizeof(T) * static_cast<std::size_t>(rx.end - rx.begin);
+      for (int k = rz.begin; k < rz.end; ++k)
+        for (int j = ry.begin; j < ry.end; ++j)
+          std::memcpy(&at(rx.begin, j, k),
+                      source + node_index(rx.begin - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz), run);
+      continue;
+    }
+    for (int k = rz.begin; k < rz.end; ++k)
+      for (int j = ry.begin; j < ry.end; ++j)
+        for (int i = rx.begin; i < rx.end; ++i)
+          at(i, j, k) = static_cast<T>(node_value(tree, field, lattice_node(tree, leaf, i, j, k)));
+  }
+}
+
+template double node_value(const Octree&, const Field<float>&, LatticeNode);
+template double node_value(const Octree&, const Field<double>&, LatticeNode);
+template double sample(const Octree&, const Field<float>&, double, double, double);
+template double sample(const Octree&, const Field<double>&, double, double, double);
+template void gather(const Octree&, const Field<float>&, std::size_t, int, float*);
+template void gather(const Octree&, const Field<double>&, std::size_t, int, double*);
+
+}  // namespace burnish

@@ -1,0 +1,169 @@
+#include "burnish/octree/octree.h"
+
+#include <algorithm>
+
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+namespace {
+
+using morton::Position;
+
+void sort_unique(std::vector<std::uint64_t>& values) {
+  parallel_sort(values);
+  values.erase(std::unique(values.begin(), values.end()), values.end());
+}
+
+// Interleaved positions, one level up, of all octants that touch those of `octants` (themselves included).
+// `side` is the number of octants along the domain at the level of `octants`.
+std::vector<std::uint64_t> parents_of_neighborhood(const std::vector<std::uint64_t>& octants, std::int64_t side) {
+  std::vector<std::uint64_t> parents;
+  parents.reserve(octants.size() * 8);
+  for (const std::uint64_t m : octants) {
+    const Position p = morton::deinterleave(m);
+    // The 27 neighbours have at most 8 parents: per axis, those of p - 1 and p + 1.
+    std::array<std::array<std::int64_t, 2>, 3> range{};
+    const std::array<std::int64_t, 3> at{p.x, p.y, p.z};
+    for (std::size_t a = 0; a < 3; ++a)
+      range[a] = {std::max<std::int64_t>(at[a] - 1, 0) / 2, std::min(at[a] + 1, side - 1) / 2};
+    for (std::int64_t z = range[2][0]; z <= range[2][1]; ++z)
+      for (std::int64_t y = range[1][0]; y <= range[1][1]; ++y)
+        for (std::int64_t x = range[0][0]; x <= range[0][1]; ++x)
+          parents.push_back(morton::interleave({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
+                                                static_cast<std::uint32_t>(z)}));
+  }
+  sort_unique(parents);
+  return parents;
+}
+
+// refined[l]: the octants of level l that have children, sorted; refined[0] is empty.
+std::vector<std::vector<std::uint64_t>> refined_octants(int depth, std::vector<std::uint64_t> finest) {
+  std::vector<std::vector<std::uint64_t>> refined(static_cast<std::size_t>(depth) + 1);
+  if (depth == 0) return refined;
+  for (std::uint64_t& m : finest) m >>= 3;
+  sort_unique(finest);
+  refined[1] = std::move(finest);
+  for (int l = 1; l < depth; ++l)
+    refined[static_cast<std::size_t>(l) + 1] =
+        parents_of_neighborhood(refined[static_cast<std::size_t>(l)], std::int64_t{1} << (depth - l));
+  return refined;
+}
+
+constexpr std::uint64_t hash_of(std::uint64_t key) {
+  key *= 0x9e3779b97f4a7c15ull;
+  return key ^ key >> 29;
+}
+
+constexpr std::uint64_t packed(NeighborKind kind, std::uint64_t value) {
+  return static_cast<std::uint64_t>(kind) << 62 | value;
+}
+
+}  // namespace
+
+Octree::Octree() : keys_{morton::key(0, 0)} { link(); }
+
+Octree Octree::build(int depth, std::vector<std::uint64_t> finest) {
+  Octree tree;
+  tree.depth_ = depth;
+  const auto refined = refined_octants(depth, std::move(finest));
+  tree.keys_.clear();
+  if (depth == 0 || refined.back().empty()) {
+    tree.keys_.push_back(morton::key(0, depth));
+  }
+  for (int l = 0; l < depth; ++l) {
+    const auto& inner = refined[static_cast<std::size_t>(l)];
+    for (const std::uint64_t parent : refined[static_cast<std::size_t>(l) + 1])
+      for (std::uint64_t child = 0; child < 8; ++child) {
+        const std::uint64_t m = parent << 3 | child;
+        if (!std::binary_search(inner.begin(), inner.end(), m)) tree.keys_.push_back(morton::key(m, l));
+      }
+  }
+  if (tree.keys_.size() >= kNone)
+    throw Error(ErrorCode::memory_limit, "the octree would have more than 2^32 - 2 blocks",
+                "choose a larger --cell or a smaller --resolution");
+  parallel_sort(tree.keys_);
+  tree.link();
+  return tree;
+}
+
+std::uint32_t Octree::find_key(std::uint64_t key) const {
+  const std::size_t mask = table_.size() - 1;
+  for (std::size_t slot = hash_of(key) & mask;; slot = (slot + 1) & mask) {
+    const std::uint32_t leaf = table_[slot];
+    if (leaf == kNone || keys_[leaf] == key) return leaf;
+  }
+}
+
+std::uint32_t Octree::find(const Position& p) const {
+  const std::uint64_t finest = morton::key(morton::interleave(p), 0);
+  // The leaf that holds `finest` has the last key whose subtree does not begin behind it.
+  auto it = std::upper_bound(keys_.begin(), keys_.end(), finest);
+  const auto holds = [&](std::uint64_t key) {
+    const std::uint64_t reach = (std::uint64_t{1} << (3 * morton::level(key))) - 1;
+    return key - reach <= finest && finest <= key + reach;
+  };
+  if (it == keys_.end() || !holds(*it)) --it;
+  return static_cast<std::uint32_t>(it - keys_.begin());
+}
+
+std::uint64_t Octree::link_of(std::size_t leaf, int dir) {
+  const int l = level(leaf);
+  const Position p = morton::deinterleave(keys_[leaf] >> (3 * l + 1));
+  const auto [dx, dy, dz] = offset_of(dir);
+  const std::uint32_t side_here = 1u << (depth_ - l);
+  const Position q{p.x + static_cast<std::uint32_t>(dx), p.y + static_cast<std::uint32_t>(dy),
+                   p.z + static_cast<std::uint32_t>(dz)};
+  if (q.x >= side_here || q.y >= side_here || q.z >= side_here) return packed(NeighborKind::wall, kNone);
+  const std::uint64_t m = morton::interleave(q);
+  if (const auto same = find_key(morton::key(m, l)); same != kNone) return packed(NeighborKind::same, same);
+  if (const auto up = find_key(morton::key(m >> 3, l + 1)); up != kNone) return packed(NeighborKind::coarser, up);
+  const std::uint64_t first = finer_.size();
+  std::uint64_t count = 0;
+  for (std::uint64_t child = 0; child < 8; ++child) {
+    // Of the neighbour's children, those on the side that faces this leaf.
+    const bool faces = (dx == 0 || (dx > 0) == !(child & 1)) && (dy == 0 || (dy > 0) == !(child & 2)) &&
+                       (dz == 0 || (dz > 0) == !(child & 4));
+    if (!faces) continue;
+    finer_.push_back(find_key(morton::key(m << 3 | child, l - 1)));
+    ++count;
+  }
+  return packed(NeighborKind::finer, count << 32 << 0 | first);
+}
+
+void Octree::link() {
+  table_.assign(std::bit_ceil(keys_.size() * 2 + 2), kNone);
+  const std::size_t mask = table_.size() - 1;
+  for (std::size_t i = 0; i < keys_.size(); ++i) {
+    std::size_t slot = hash_of(keys_[i]) & mask;
+    while (table_[slot] != kNone) slot = (slot + 1) & mask;
+    table_[slot] = static_cast<std::uint32_t>(i);
+  }
+  links_.resize(keys_.size() * kDirections);
+  finer_.clear();
+  for (std::size_t i = 0; i < keys_.size(); ++i)
+    for (int d = 0; d < kDirections; ++d)
+      links_[i * kDirections + static_cast<std::size_t>(d)] =
+          d == kSelf ? packed(NeighborKind::same, i) : link_of(i, d);
+}
+
+std::span<const std::uint32_t> Octree::neighbors(std::size_t leaf, int dir) const {
+  const std::uint64_t& entry = links_[leaf * kDirections + static_cast<std::size_t>(dir)];
+  switch (neighbor_kind(leaf, dir)) {
+    case NeighborKind::wall: return {};
+    case NeighborKind::finer:
+      return {finer_.data() + static_cast<std::uint32_t>(entry), static_cast<std::size_t>(entry >> 32 & 7)};
+    default: break;
+  }
+  const std::uint32_t other = static_cast<std::uint32_t>(entry);
+  // A view of one index needs storage that outlives the call: the hash table holds every leaf's.
+  std::size_t slot = hash_of(keys_[other]) & (table_.size() - 1);
+  while (table_[slot] != other) slot = (slot + 1) & (table_.size() - 1);
+  return {&table_[slot], 1};
+}
+
+std::size_t Octree::bytes() const {
+  return keys_.capacity() * 8 + links_.capacity() * 8 + finer_.capacity() * 4 + table_.capacity() * 4;
+}
+
+}  // namespace burnish

@@ -1,0 +1,92 @@
+#include "burnish/surface/compare.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/core/parallel.h"
+#include "burnish/surface/triangle_index.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::size_t kGrain = 256;
+
+// Running maximum and moments of distances.
+struct Moments {
+  double max = 0, sum = 0, sum_squares = 0;
+  std::size_t count = 0;
+
+  void add(double squared) {
+    const double d = std::sqrt(squared);
+    max = std::max(max, d);
+    sum += d;
+    sum_squares += squared;
+    ++count;
+  }
+  friend Moments operator+(const Moments& a, const Moments& b) {
+    return {std::max(a.max, b.max), a.sum + b.sum, a.sum_squares + b.sum_squares, a.count + b.count};
+  }
+};
+
+// cumulative[f]: area of all facets before f; the last entry is the total.
+std::vector<double> cumulative_areas(const TriangleSoup& soup) {
+  std::vector<double> cumulative(soup.facets.size() + 1, 0.0);
+  for (std::size_t f = 0; f < soup.facets.size(); ++f)
+    cumulative[f + 1] = cumulative[f] + 0.5 * norm(facet_normal_2a(soup, f));
+  return cumulative;
+}
+
+double fraction(double x) { return x - std::floor(x); }
+
+// Point number i of a low-discrepancy sequence on facet f: the R2 sequence (Roberts 2018), folded.
+Vec3 point_on_facet(const TriangleSoup& soup, std::size_t f, std::size_t i) {
+  double u = fraction(0.5 + 0.7548776662466927 * static_cast<double>(i));
+  double v = fraction(0.5 + 0.5698402909980532 * static_cast<double>(i));
+  if (u + v > 1) {
+    u = 1 - u;
+    v = 1 - v;
+  }
+  const Vec3& a = soup.corner(f, 0);
+  return a + (soup.corner(f, 1) - a) * u + (soup.corner(f, 2) - a) * v;
+}
+
+template <class Point>
+Moments measure(std::size_t samples, const TriangleIndex& to, Point&& point) {
+  return parallel_reduce(
+      samples, kGrain, Moments{},
+      [&](std::size_t begin, std::size_t end) {
+        Moments m;
+        for (std::size_t i = begin; i < end; ++i) m.add(to.closest(point(i)).squared_distance);
+        return m;
+      },
+      [](const Moments& a, const Moments& b) { return a + b; });
+}
+
+}  // namespace
+
+OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to, const CompareOptions& options) {
+  if (from.facets.empty() || to.facet_count() == 0) return {};
+  const std::vector<double> cumulative = cumulative_areas(from);
+  const double total = cumulative.back();
+  const std::size_t n = total > 0 ? options.area_samples : 0;
+  const Moments by_area = measure(n, to, [&](std::size_t i) {
+    const double target = (static_cast<double>(i) + 0.5) / static_cast<double>(n) * total;
+    const auto it = std::upper_bound(cumulative.begin(), cumulative.end() - 1, target);
+    return point_on_facet(from, static_cast<std::size_t>(it - cumulative.begin()) - 1, i);
+  });
+  const std::size_t points = from.points.size();
+  const std::size_t picked = std::min(points, options.vertex_samples);
+  const Moments by_vertex =
+      measure(picked, to, [&](std::size_t i) { return from.points[i * points / std::max<std::size_t>(picked, 1)]; });
+  const Moments& mean_of = by_area.count ? by_area : by_vertex;
+  OneSidedDistance result;
+  result.max = std::max(by_area.max, by_vertex.max);
+  if (mean_of.count) {
+    result.mean = mean_of.sum / static_cast<double>(mean_of.count);
+    result.rms = std::sqrt(mean_of.sum_squares / static_cast<double>(mean_of.count));
+  }
+  result.samples = by_area.count + by_vertex.count;
+  return result;
+}
+
+}  // namespace burnish

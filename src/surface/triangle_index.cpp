@@ -1,0 +1,228 @@
+#include "burnish/surface/triangle_index.h"
+
+#include <algorithm>
+#include <numbers>
+#include <numeric>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::uint32_t kLeafFacets = 4;
+
+Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 ab = b - a;
+  const double length2 = squared_norm(ab);
+  if (length2 == 0) return a;
+  return a + ab * std::clamp(dot(p - a, ab) / length2, 0.0, 1.0);
+}
+
+double squared_distance_to_box(const Vec3& p, const Vec3& lower, const Vec3& upper) {
+  const Vec3 d = max(max(lower - p, p - upper), Vec3{});
+  return squared_norm(d);
+}
+
+}  // namespace
+
+Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 n = cross(b - a, c - a);
+  const double n2 = squared_norm(n);
+  const auto inside_edge = [&](const Vec3& u, const Vec3& v) { return dot(cross(v - u, p - u), n) >= 0; };
+  if (n2 > 0 && inside_edge(a, b) && inside_edge(b, c) && inside_edge(c, a)) return p - n * (dot(p - a, n) / n2);
+  Vec3 best = closest_point_on_segment(p, a, b);
+  for (const Vec3& q : {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a)})
+    if (squared_norm(q - p) < squared_norm(best - p)) best = q;
+  return best;
+}
+
+double solid_angle_fraction(const Vec3& p, const Vec3& pa, const Vec3& pb, const Vec3& pc) {
+  const Vec3 a = pa - p, b = pb - p, c = pc - p;
+  const double la = norm(a), lb = norm(b), lc = norm(c);
+  const double numerator = dot(a, cross(b, c));
+  const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
+  if (numerator == 0) return 0;
+  return std::atan2(numerator, denominator) / (2 * std::numbers::pi);
+}
+
+TriangleIndex::TriangleIndex(const TriangleSoup& soup) {
+  const std::size_t n = soup.facets.size();
+  std::vector<Vec3> centroids(n);
+  parallel_for(n, [&](std::size_t f) {
+    centroids[f] = (soup.corner(f, 0) + soup.corner(f, 1) + soup.corner(f, 2)) / 3.0;
+  });
+  facet_ids_.resize(n);
+  std::iota(facet_ids_.begin(), facet_ids_.end(), 0u);
+  if (n == 0) return;
+  nodes_.reserve(n);
+  corners_.resize(n);
+  // Boxes need the corners in slot order, which the recursion fixes leaf by leaf.
+  const auto corners_of = [&](std::uint32_t f) {
+    return std::array<Vec3, 3>{soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2)};
+  };
+  build(facet_ids_, centroids, 0, static_cast<std::uint32_t>(n));
+  parallel_for(n, [&](std::size_t slot) { corners_[slot] = corners_of(facet_ids_[slot]); });
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    Node& node = nodes_[i];
+    Box3 box;
+    if (node.count > 0) {
+      for (std::uint32_t s = node.first; s < node.first + node.count; ++s)
+        for (const Vec3& v : corners_[s]) box.extend(v);
+    } else {
+      for (const Node& child : {nodes_[i + 1], nodes_[node.first]}) {
+        box.extend(child.lower);
+        box.extend(child.upper);
+      }
+    }
+    node.lower = box.lower;
+    node.upper = box.upper;
+  }
+  compute_moments();
+}
+
+std::uint32_t TriangleIndex::build(std::vector<std::uint32_t>& order, const std::vector<Vec3>& centroids,
+                                   std::uint32_t begin, std::uint32_t end) {
+  const auto index = static_cast<std::uint32_t>(nodes_.size());
+  nodes_.emplace_back();
+  if (end - begin <= kLeafFacets) {
+    nodes_[index].first = begin;
+    nodes_[index].count = end - begin;
+    return index;
+  }
+  Box3 box;
+  for (std::uint32_t s = begin; s < end; ++s) box.extend(centroids[order[s]]);
+  const Vec3 e = box.extent();
+  const int axis = e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
+  const std::uint32_t middle = begin + (end - begin) / 2;
+  std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end,
+                   [&](std::uint32_t f, std::uint32_t g) {
+                     const double a = centroids[f][axis], b = centroids[g][axis];
+                     return a != b ? a < b : f < g;
+                   });
+  build(order, centroids, begin, middle);
+  const std::uint32_t right = build(order, centroids, middle, end);
+  nodes_[index].first = right;
+  return index;
+}
+
+void TriangleIndex::compute_moments() {
+  moments_.resize(nodes_.size());
+  // Facet range of every node: leaves know theirs, inner nodes join their children's.
+  std::vector<std::array<std::uint32_t, 2>> range(nodes_.size());
+  std::vector<double> area(nodes_.size(), 0.0);
+  for (std::size_t i = nodes_.size(); i-- > 0;) {
+    const Node& node = nodes_[i];
+    Moments& m = moments_[i];
+    if (node.count == 0) {
+      const std::size_t l = i + 1, r = node.first;
+      range[i] = {range[l][0], range[r][1]};
+      area[i] = area[l] + area[r];
+      m.center = area[i] > 0 ? (moments_[l].center * area[l] + moments_[r].center * area[r]) / area[i]
+                             : (node.lower + node.upper) * 0.5;
+      for (const std::size_t child : {l, r}) {
+        const Moments& mc = moments_[child];
+        m.area_normal += mc.area_normal;
+        const Vec3 shift = mc.center - m.center;
+        for (int u = 0; u < 3; ++u)
+          for (int v = 0; v < 3; ++v) {
+            const auto k = static_cast<std::size_t>(3 * u + v);
+            m.first[k] += mc.first[k] + shift[u] * mc.area_normal[v];
+          }
+      }
+    } else {
+      range[i] = {node.first, node.first + node.count};
+      Vec3 weighted;
+      for (std::uint32_t s = range[i][0]; s < range[i][1]; ++s) {
+        const auto& [a, b, c] = corners_[s];
+        const Vec3 n = cross(b - a, c - a) * 0.5;
+        const double facet_area = norm(n);
+        area[i] += facet_area;
+        weighted += (a + b + c) * (facet_area / 3);
+        m.area_normal += n;
+      }
+      m.center = area[i] > 0 ? weighted / area[i] : (node.lower + node.upper) * 0.5;
+      for (std::uint32_t s = range[i][0]; s < range[i][1]; ++s) {
+        const auto& [a, b, c] = corners_[s];
+        const Vec3 n = cross(b - a, c - a) * 0.5;
+        const Vec3 d = (a + b + c) / 3.0 - m.center;
+        for (int u = 0; u < 3; ++u)
+          for (int v = 0; v < 3; ++v) m.first[static_cast<std::size_t>(3 * u + v)] += d[u] * n[v];
+      }
+    }
+    const Vec3 reach = max(node.upper - m.center, m.center - node.lower);
+    m.radius_squared = squared_norm(reach) * kBeta * kBeta;
+  }
+}
+
+TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squared) const {
+  Closest best;
+  best.squared_distance = within_squared;
+  if (nodes_.empty()) return best;
+  struct Entry {
+    std::uint32_t node;
+    double bound;
+  };
+  std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step pushes one
+  std::size_t top = 0;
+  stack[top++] = {0, squared_distance_to_box(p, nodes_[0].lower, nodes_[0].upper)};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.bound > best.squared_distance) continue;
+    const Node& node = nodes_[entry.node];
+    if (node.count > 0) {
+      for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
+        const Vec3 q = closest_point_on_triangle(p, corners_[s][0], corners_[s][1], corners_[s][2]);
+        const double d2 = squared_norm(q - p);
+        if (d2 < best.squared_distance || (d2 == best.squared_distance && best.facet == 0xffffffffu))
+          best = {q, d2, facet_ids_[s]};
+      }
+      continue;
+    }
+    Entry near{entry.node + 1, 0}, far{node.first, 0};
+    near.bound = squared_distance_to_box(p, nodes_[near.node].lower, nodes_[near.node].upper);
+    far.bound = squared_distance_to_box(p, nodes_[far.node].lower, nodes_[far.node].upper);
+    if (far.bound < near.bound) std::swap(near, far);
+    stack[top++] = far;
+    stack[top++] = near;
+  }
+  return best;
+}
+
+double TriangleIndex::winding_number(const Vec3& p) const {
+  if (nodes_.empty()) return 0;
+  double w = 0;
+  std::array<std::uint32_t, 128> stack;
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::uint32_t i = stack[--top];
+    const Moments& m = moments_[i];
+    const Vec3 r = m.center - p;
+    const double r2 = squared_norm(r);
+    if (r2 > m.radius_squared) {
+      const double inverse = 1 / (r2 * std::sqrt(r2));
+      const Vec3 mr{m.first[0] * r.x + m.first[3] * r.y + m.first[6] * r.z,
+                    m.first[1] * r.x + m.first[4] * r.y + m.first[7] * r.z,
+                    m.first[2] * r.x + m.first[5] * r.y + m.first[8] * r.z};
+      const double trace = m.first[0] + m.first[4] + m.first[8];
+      w += (dot(r, m.area_normal) + trace - 3 * dot(mr, r) / r2) * inverse / (4 * std::numbers::pi);
+      continue;
+    }
+    const Node& node = nodes_[i];
+    if (node.count > 0) {
+      for (std::uint32_t s = node.first; s < node.first + node.count; ++s)
+        w += solid_angle_fraction(p, corners_[s][0], corners_[s][1], corners_[s][2]);
+    } else {
+      stack[top++] = node.first;
+      stack[top++] = i + 1;
+    }
+  }
+  return w;
+}
+
+std::size_t TriangleIndex::bytes() const {
+  return nodes_.capacity() * sizeof(Node) + moments_.capacity() * sizeof(Moments) + facet_ids_.capacity() * 4 +
+         corners_.capacity() * sizeof(corners_[0]);
+}
+
+}  // namespace burnish

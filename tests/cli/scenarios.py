@@ -1,0 +1,396 @@
+"""What takes more than one call: the same bytes again, signals, closed streams, schemas."""
+import json
+import os
+import pty
+import select
+import signal
+import subprocess
+import time
+from pathlib import Path
+
+import models
+from runner import expect, expect_match
+
+DOCS = Path(__file__).resolve().parents[2] / "docs"
+QUICK = ["--resolution", "24"]
+DIRTY_KNOT = ["example", "knot", "--noise", "0.2", "--holes", "3", "-q", "-o"]
+GROUPS = {}
+
+
+def scenario(group):
+    """Adds a function of a Sandbox to a group of tests."""
+    def add(function):
+        GROUPS.setdefault(group, []).append(function)
+        return function
+    return add
+
+
+# --- the same bytes ---------------------------------------------------------------------------------
+
+@scenario("same-bytes")
+def example_depends_on_its_options_alone(box):
+    for name, options in {"a": [], "b": [], "c": ["--seed", "2"]}.items():
+        box.succeed([*DIRTY_KNOT, f"{name}.stl", *options])
+    expect(box.read("a.stl") == box.read("b.stl"), "the same options gave other bytes")
+    expect(box.read("a.stl") != box.read("c.stl"), "another seed gave the same bytes")
+
+
+@scenario("same-bytes")
+def example_on_standard_output_is_the_file(box):
+    box.succeed(["example", "vase", "--noise", "0.1", "-o", "v.stl"])
+    piped = box.succeed(["example", "vase", "--noise", "0.1", "-o", "-"])
+    expect(piped.out == box.read("v.stl"), "-o - and -o v.stl differ")
+
+
+@scenario("same-bytes")
+def truth_does_not_depend_on_the_dirt(box):
+    box.succeed(["example", "sphere", "-o", "clean.stl"])
+    dirt = ["--noise", "0.3", "--holes", "2"]
+    box.succeed(["example", "sphere", *dirt, "-o", "dirty.stl", "--truth", "truth.stl"])
+    clean, truth, dirty = (models.read_binary_stl(box.read(f"{n}.stl")) for n in ("clean", "truth", "dirty"))
+    expect(clean == truth, "the truth is not the shape without noise and holes")
+    expect(len(dirty) < len(truth), "no hole was cut")
+
+
+@scenario("same-bytes")
+def clean_on_threads_and_again(box):
+    box.succeed([*DIRTY_KNOT, "knot.stl"])
+    options = ["-q", "--resolution", "96", "--smooth", "3h"]
+    for name, threads in {"one": "1", "two": "2", "again": "2"}.items():
+        box.succeed(["knot.stl", "-o", f"{name}.stl", "--threads", threads, *options])
+    expect(box.read("one.stl") == box.read("two.stl"), "1 and 2 threads differ")
+    expect(box.read("two.stl") == box.read("again.stl"), "two runs differ")
+
+
+@scenario("same-bytes")
+def clean_through_pipes(box):
+    box.succeed(["hole.stl", "-o", "x.stl", "-q", *QUICK])
+    piped = box.succeed(["-", "-o", "-", "-q", *QUICK], stdin=box.read("hole.stl"))
+    expect(piped.out == box.read("x.stl"), "a pipe and a file differ")
+    expect(piped.err == b"", "-q is not quiet")
+
+
+@scenario("same-bytes")
+def clean_of_any_input_format(box):
+    box.succeed(["cube.stl", "-o", "binary.stl", "-q", *QUICK])
+    box.succeed(["cube.ascii.stl", "-o", "ascii.stl", "-q", *QUICK])
+    expect(box.read("binary.stl") == box.read("ascii.stl"), "binary and ASCII input give other results")
+
+
+def scale_input(box, power, options):
+    """Cleans a dirty sphere and the same one scaled by 2^power; the results' triangles."""
+    box.succeed(["example", "sphere", "--noise", "0.1", "--holes", "2", "-q", "-o", "s.stl"])
+    triangles = models.read_binary_stl(box.read("s.stl"))
+    box.write("big.stl", models.binary_stl(models.as_points(models.scaled(triangles, 2.0 ** power))))
+    for name in ("s", "big"):
+        box.succeed([f"{name}.stl", "-o", f"{name}.out.stl", "-q", *options])
+    return (models.read_binary_stl(box.read(f"{name}.out.stl")) for name in ("s", "big"))
+
+
+@scenario("scaling")
+def powers_of_two_scale_bit_for_bit(box):
+    for power in (30, -30):
+        for options in ([], ["--resolution", "40", "--smooth", "4h"], ["--cell", "2%"]):
+            result, scaled = scale_input(box, power, options)
+            expect(models.scaled(result, 2.0 ** power) == scaled, f"2^{power} with {options}: not scaled")
+            for name in box.new_files():
+                (box.folder / name).unlink()
+
+
+@scenario("scaling")
+def powers_of_ten_scale_within_a_millionth(box):
+    box.succeed(["example", "sphere", "--noise", "0.1", "--holes", "2", "-q", "-o", "s.stl"])
+    triangles = models.read_binary_stl(box.read("s.stl"))
+    results = {}
+    for factor in (1.0, 1e9, 1e-9):
+        box.write("in.obj", models.write_obj(models.as_points(models.scaled(triangles, factor))))
+        box.succeed(["in.obj", "-o", "out.obj", "-q", "--overwrite", "--resolution", "40"])
+        results[factor] = models.read_obj(box.read("out.obj"))
+    vertices, facets = results.pop(1.0)
+    diagonal = 3.46
+    for factor, (scaled_vertices, scaled_facets) in results.items():
+        expect(scaled_facets == facets, f"x {factor}: other topology")
+        worst = max(abs(a * factor - b) for v, w in zip(vertices, scaled_vertices) for a, b in zip(v, w))
+        expect(worst <= 1e-6 * diagonal * factor, f"x {factor}: off by {worst / factor}")
+
+
+# --- files ------------------------------------------------------------------------------------------
+
+@scenario("files")
+def overwrite_replaces(box):
+    box.succeed(["cube.stl", "-o", "other.stl", "--overwrite", "-q", *QUICK])
+    box.succeed(["check", "-q", "other.stl"])
+    box.succeed(["cube.stl", "-o", "cube.stl", "--overwrite", "-q", *QUICK])
+    box.succeed(["check", "-q", "cube.stl"])
+    box.expect_files([])
+
+
+@scenario("files")
+def every_format_written_is_a_valid_solid(box):
+    for suffix in ("stl", "ply", "obj", "off"):
+        box.succeed(["hole.stl", "-o", f"x.{suffix}", "-q", *QUICK])
+        box.succeed(["check", "-q", f"x.{suffix}"])
+
+
+@scenario("files")
+def names_may_hold_anything(box):
+    for name in (b"caf\xe9.stl", "日本 語.stl".encode(), b"-dash.stl"):
+        box.write(os.fsdecode(name), box.read("cube.stl"))
+    for name in (b"caf\xe9.stl", "日本 語.stl".encode()):
+        parsed = json.loads(box.succeed(["check", "--json", "-q", name]).out.decode("utf-8"))
+        expect(parsed["input"]["file"] == name.decode("utf-8", "replace"), f"named {parsed['input']['file']}")
+    box.succeed(["check", "-q", "--", "-dash.stl"])
+    box.succeed(["example", "sphere", "-q", "--output=-s.stl"])
+    box.read("-s.stl")
+
+
+@scenario("files")
+def a_failed_run_leaves_the_existing_output_alone(box):
+    result = box.run(["triangle.stl", "-o", "other.stl", "--overwrite", *QUICK])
+    expect(result.code == 5, f"exit code {result.code}\n{result.messages()}")
+    box.expect_fixtures_untouched()
+    box.expect_files([])
+
+
+# --- streams ----------------------------------------------------------------------------------------
+
+@scenario("streams")
+def full_disk_is_an_error(box):
+    with open("/dev/full", "wb") as full:
+        for command in ("check cube.stl", "check cube.stl --json", "--help", "example vase -o -"):
+            process = box.popen(command.split(), stdout=full)
+            _, err = process.communicate(timeout=60)
+            expect(process.returncode == 4, f"{command}: exit code {process.returncode}")
+            expect_match(r"burnish: standard output: ", err.decode(), "standard error")
+
+
+@scenario("streams")
+def closed_pipe_is_an_error(box):
+    for args in (["check", "cube.stl"], ["example", "knot", "-o", "-"]):
+        read_end, write_end = os.pipe()
+        os.close(read_end)
+        process = box.popen(args, stdout=write_end)
+        os.close(write_end)
+        process.communicate(timeout=60)
+        expect(process.returncode == 4, f"{args}: exit code {process.returncode}")
+
+
+@scenario("streams")
+def closed_streams_do_not_end_up_in_files(box):
+    script = 'exec "$0" example sphere -o s.stl <&- >&- 2>&-'
+    subprocess.run(["/bin/sh", "-c", script, box.program], cwd=box.folder, timeout=60, check=True)
+    expect(len(models.read_binary_stl(box.read("s.stl"))) == 550, "the file is not the sphere")
+
+
+def on_terminal(box, args, **environment):
+    """Runs with standard error on a terminal: what is drawn there, and the exit code."""
+    main, terminal = pty.openpty()
+    process = box.popen(args, environment, stderr=terminal)
+    os.close(terminal)
+    drawn = b""
+    while True:
+        ready, _, _ = select.select([main], [], [], 120)
+        try:
+            piece = os.read(main, 4096) if ready else b""
+        except OSError:  # how Linux says that the other end is closed
+            piece = b""
+        if not piece:
+            break
+        drawn += piece
+    process.communicate(timeout=60)
+    os.close(main)
+    return drawn.decode(), process.returncode
+
+
+@scenario("streams")
+def a_terminal_shows_a_bar_and_clears_it(box):
+    drawn, code = on_terminal(box, ["check", "cube.stl"], TERM="xterm")
+    expect(code == 0, f"exit code {code}")
+    expect_match(r"\r\x1b\[K\[[#.]+\] +\d+%  reading", drawn, "the terminal")
+    expect(drawn.endswith("\r\x1b[K"), "the bar stays behind")
+    expect(on_terminal(box, ["check", "-q", "cube.stl"], TERM="xterm") == ("", 0), "-q is not quiet")
+    drawn, _ = on_terminal(box, ["check", "cube.stl"], TERM="dumb")
+    expect("\x1b" not in drawn, "a dumb terminal is drawn on")
+
+
+@scenario("streams")
+def without_a_terminal_a_line_per_stage(box):
+    lines = box.succeed(["check", "cube.stl"]).messages().splitlines()
+    expect(lines and all(line.endswith(" s") for line in lines), f"{lines}")
+
+
+@scenario("streams")
+def a_mesh_is_not_printed_on_a_terminal(box):
+    main, terminal = pty.openpty()
+    process = box.popen(["example", "sphere", "-o", "-"], stdout=terminal)
+    _, err = process.communicate(timeout=60)
+    os.close(terminal)
+    os.close(main)
+    expect(process.returncode == 2, f"exit code {process.returncode}")
+    expect_match(r"binary file on the terminal\n  hint: redirect", err.decode(), "standard error")
+
+
+# --- signals ----------------------------------------------------------------------------------------
+
+def start_long_run(box):
+    """A run of many seconds, caught in the act: it has said what it is doing, and has a temporary file."""
+    if not (box.folder / "knot.stl").exists():
+        box.succeed([*DIRTY_KNOT, "knot.stl"])
+    size = ["--resolution", "600", "--memory", "16G"]
+    process = box.popen(["knot.stl", "-o", "x.stl", "--report", "r.json", *size])
+    os.read(process.stderr.fileno(), 1)
+    time.sleep(0.5)
+    return process
+
+
+@scenario("signals")
+def the_first_signal_ends_the_run_in_order(box):
+    for number in (signal.SIGINT, signal.SIGTERM):
+        process = start_long_run(box)
+        temporaries = [name for name in box.new_files() if name.endswith(".tmp")]
+        expect(temporaries, "there is no temporary to leave behind")
+        asked = time.monotonic()
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+        expect(process.returncode == 130, f"exit code {process.returncode}\n{err.decode()}")
+        expect(time.monotonic() - asked < 5, f"it took {time.monotonic() - asked:.1f} s to stop")
+        expect_match(r"^burnish: interrupted$", err.decode(), "standard error")
+        expect(out == b"", "something on standard output")
+        box.expect_files(["knot.stl"])
+
+
+@scenario("signals")
+def the_second_signal_ends_it_at_once(box):
+    process = start_long_run(box)
+    process.send_signal(signal.SIGSTOP)  # so that both arrive before the run can act on the first
+    process.send_signal(signal.SIGINT)
+    process.send_signal(signal.SIGTERM)
+    process.send_signal(signal.SIGCONT)
+    asked = time.monotonic()
+    process.communicate(timeout=60)
+    expect(process.returncode == 130, f"exit code {process.returncode}")
+    expect(time.monotonic() - asked < 1, "it did not end at once")
+    box.expect_files(["knot.stl"])
+
+
+@scenario("signals")
+def waiting_for_standard_input_can_be_ended(box):
+    process = box.popen(["check", "-"], stdin=subprocess.PIPE)
+    os.read(process.stderr.fileno(), 1)
+    time.sleep(0.3)
+    process.send_signal(signal.SIGINT)
+    expect(process.wait(timeout=10) == 130, f"exit code {process.returncode}")
+    expect_match(r"^burnish: interrupted", process.stderr.read().decode(), "standard error")
+
+
+@scenario("signals")
+def a_check_can_be_ended(box):
+    box.succeed(["example", "nozzle", "-q", "-o", "n.stl"])
+    process = box.popen(["check", "n.stl"])
+    os.read(process.stderr.fileno(), 1)
+    process.send_signal(signal.SIGINT)
+    out, _ = process.communicate(timeout=60)
+    expect((process.returncode, out) == (130, b""), f"exit code {process.returncode}")
+
+
+@scenario("signals")
+def ignored_signals_stay_ignored(box):
+    process = box.popen(["check", "-"], stdin=subprocess.PIPE,
+                        preexec_fn=lambda: signal.signal(signal.SIGHUP, signal.SIG_IGN))  # as nohup does
+    os.read(process.stderr.fileno(), 1)
+    process.send_signal(signal.SIGHUP)
+    out, _ = process.communicate(box.read("cube.stl"), timeout=60)
+    expect(process.returncode == 0, f"exit code {process.returncode}")
+    expect_match(r"^valid solid$", out.decode(), "standard output")
+
+
+# --- schemas ----------------------------------------------------------------------------------------
+
+def validator(name):
+    import jsonschema  # Debian: python3-jsonschema
+    schema = json.loads((DOCS / name).read_text())
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def expect_valid(name, data):
+    errors = validator(name).iter_errors(data)
+    complaints = [f"{'/'.join(map(str, e.absolute_path))}: {e.message}" for e in errors]
+    expect(not complaints, f"against docs/{name}: " + "; ".join(complaints))
+
+
+@scenario("schemas")
+def checks(box):
+    for name in ("cube.stl", "hole.stl", "crossing.stl", "triangle.stl"):
+        expect_valid("check.schema.json", json.loads(box.run(["check", "--json", name]).out))
+    data = json.loads(box.run(["check", "--json", "--salvage", "cut.stl"]).out)
+    expect_valid("check.schema.json", data)
+    expect(len(data["warnings"]) == 1, f"warnings: {data['warnings']}")
+    expect(data["defects"]["facets"] == 11, "facets of a cut file")
+
+
+@scenario("schemas")
+def every_field_of_the_schemas_is_described(_):
+    def walk(schema, path):
+        for name, field in schema.get("properties", {}).items():
+            expect("description" in field or "$ref" in field, f"{path}/{name} is not described")
+            walk(field, f"{path}/{name}")
+        closed = schema.get("additionalProperties") is False
+        expect(schema.get("type") != "object" or closed, f"{path} is open")
+    for name in ("check.schema.json", "report.schema.json"):
+        schema = validator(name).schema
+        walk(schema, name)
+        for key, part in schema["$defs"].items():
+            walk(part, f"{name}/{key}")
+
+
+@scenario("schemas")
+def report_of_a_run(box):
+    box.succeed(["hole.stl", "-o", "x.stl", "--report", "r.json", "-q", *QUICK])
+    report = json.loads(box.read("r.json"))
+    expect_valid("report.schema.json", report)
+    expect(report["output"] == {"file": "x.stl", "format": "binary STL", "written": True, "verified": True},
+           f"output: {report['output']}")
+    expect(report["failure"] is None, "a failure")
+    expect(report["before"]["open_edges"] == 3 and report["after"]["open_edges"] == 0, "open edges")
+    expect(report["after"]["valid_solid"] is True, "no valid solid")
+    expect(abs(report["options"]["cells_along_longest_side"] - 24) < 1e-9, "cells along the longest side")
+    expect(report["deviation"]["output_to_input"]["samples"] > 0, "no deviation")
+    expect(len(report["stages"]) >= 3, "stages")
+
+
+@scenario("schemas")
+def report_agrees_with_check(box):
+    box.succeed(["crossing.stl", "-o", "x.stl", "--report", "r.json", "-q", *QUICK])
+    report = json.loads(box.read("r.json"))
+    for side, name in {"before": "crossing.stl", "after": "x.stl"}.items():
+        checked = json.loads(box.run(["check", "--json", name]).out)
+        expect(report[side] == checked["defects"], f"{side} differs")
+
+
+@scenario("schemas")
+def printed_report_is_the_written_one(box):
+    printed = json.loads(box.succeed(["cube.stl", "-o", "x.stl", "--json", "--report", "r.json", *QUICK]).out)
+    expect(printed == json.loads(box.read("r.json")), "--json and --report differ")
+
+
+@scenario("schemas")
+def report_of_a_smoothing_run(box):
+    box.succeed([*DIRTY_KNOT, "knot.stl"])
+    options = ["--smooth", "3h", "--deviation", "1%", "--resolution", "64"]
+    report = json.loads(box.succeed(["knot.stl", "-o", "x.ply", "--json", "-q", *options]).out)
+    expect_valid("report.schema.json", report)
+    expect(abs(report["smoothing"]["length"] - 3 * report["options"]["cell"]) < 1e-12, "smoothing length")
+    expect(report["smoothing"]["steps"] > 0, "no steps")
+
+
+@scenario("schemas")
+def report_of_a_failure(box):
+    result = box.run(["triangle.stl", "-o", "x.stl", "--json", "--report", "r.json", *QUICK])
+    expect(result.code == 5, f"exit code {result.code}\n{result.messages()}")
+    report = json.loads(result.out)
+    expect_valid("report.schema.json", report)
+    expect(report == json.loads(box.read("r.json")), "--json and --report differ")
+    expect(report["failure"]["code"] == "guarantee_unmet" and report["failure"]["exit_code"] == 5, "failure")
+    expect(report["output"]["written"] is False and report["output"]["verified"] is False, "written")
+    box.expect_files(["r.json"])
