@@ -108,26 +108,30 @@ class Extractor {
     });
   }
 
-  // Leaves with cells that the surface cuts, and the leaves that own these cells' upper nodes.
-  void find_cut_leaves() {
-    std::vector<char> cut(tree_.size(), 0);
+  // Bit 0: the leaf stores an inside node, bit 1: an outside one.
+  std::vector<std::uint8_t> sides_of_leaves() const {
+    std::vector<std::uint8_t> sides(tree_.size(), 0);
     parallel_for(
         tree_.size(),
         [&](std::size_t leaf) {
-          constexpr int side = kBlockSide + 2;
-          std::array<T, side * side * side> dense;
-          gather(tree_, set_.phi, leaf, 1, dense.data());
-          bool in = false, out = false;
-          for (int k = 1; k < side; ++k)
-            for (int j = 1; j < side; ++j)
-              for (int i = 1; i < side; ++i) {
-                const bool inside = dense[static_cast<std::size_t>(i + side * (j + side * k))] >= 0;
-                in = in || inside;
-                out = out || !inside;
-              }
-          cut[leaf] = in && out;
+          const T* phi = set_.phi.block(leaf);
+          for (std::size_t n = 0; n < kBlockNodes && sides[leaf] != 3; ++n) sides[leaf] |= phi[n] >= 0 ? 1 : 2;
         },
-        64);
+        256);
+    return sides;
+  }
+
+  // Leaves with cells that the surface may cut, and the leaves that own these cells' upper nodes.
+  void find_cut_leaves() {
+    const std::vector<std::uint8_t> sides = sides_of_leaves();
+    std::vector<char> cut(tree_.size(), 0);
+    for (std::size_t leaf = 0; leaf < tree_.size(); ++leaf) {
+      std::uint8_t seen = sides[leaf];
+      for (int corner = 1; corner < 8; ++corner)
+        for (const std::uint32_t other : tree_.neighbors(leaf, direction(corner & 1, corner >> 1 & 1, corner >> 2 & 1)))
+          seen |= sides[other];
+      cut[leaf] = seen == 3;
+    }
     std::vector<char> owns = cut;
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf) {
       if (!cut[leaf]) continue;

@@ -44,7 +44,8 @@ MappedFile::MappedFile(const std::string& path) {
   if (file.get() < 0 || ::fstat(file.get(), &status) != 0) fail(label, std::strerror(errno));
   if (S_ISDIR(status.st_mode)) fail(label, "it is a folder");
   const bool from_start = path != "-";  // standard input may stand anywhere in its file
-  if (from_start && S_ISREG(status.st_mode) && map(file.get(), static_cast<std::size_t>(status.st_size))) return;
+  if (from_start && S_ISREG(status.st_mode) && map(file.get(), static_cast<std::size_t>(status.st_size)))
+    return;
   read_to_end(file.get(), label);
 }
 

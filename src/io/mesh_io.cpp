@@ -48,8 +48,9 @@ bool is_exact_binary_stl(std::string_view bytes) {
 }
 
 bool has_binary_bytes(std::string_view bytes) {
-  return std::any_of(bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kHead)),
-                     [](char c) { return static_cast<unsigned char>(c) < 0x20 && !is_blank(c) && c != 0x1a; });
+  return std::any_of(
+      bytes.begin(), bytes.begin() + static_cast<std::ptrdiff_t>(std::min(bytes.size(), kHead)),
+      [](char c) { return static_cast<unsigned char>(c) < 0x20 && !is_blank(c) && c != 0x1a; });
 }
 
 // Whether the words of an ASCII STL stand in the head of a file that begins with "solid". Names may
@@ -60,7 +61,8 @@ bool has_stl_words(std::string_view bytes) {
     const std::uint64_t key = fold_keyword(head.word());
     const std::uint64_t next = fold_keyword(head.peek());
     if (key == fold_keyword("endsolid")) return true;
-    if (key == fold_keyword("facet") && (next == fold_keyword("normal") || next == fold_keyword("outer"))) return true;
+    if (key == fold_keyword("facet") && (next == fold_keyword("normal") || next == fold_keyword("outer")))
+      return true;
     if (key == fold_keyword("outer") && next == fold_keyword("loop")) return true;
   }
   return false;
@@ -74,8 +76,8 @@ std::string_view first_word(std::string_view bytes) {
 }
 
 bool is_obj_word(std::string_view word) {
-  constexpr std::array<std::string_view, 12> kWords{"v", "vt", "vn", "vp", "f", "o",
-                                                    "g", "s", "l",  "p",  "mtllib", "usemtl"};
+  constexpr std::array<std::string_view, 12> kWords{"v", "vt", "vn", "vp", "f",      "o",
+                                                    "g", "s",  "l",  "p",  "mtllib", "usemtl"};
   return std::find(kWords.begin(), kWords.end(), word) != kWords.end();
 }
 
@@ -100,7 +102,8 @@ std::optional<Kind> kind_of_content(std::string_view bytes) {
 [[noreturn]] void refuse_unknown_text(const Source& source) {
   const std::string_view word = first_word(source.bytes);
   if (word.empty()) source.fail("is empty but for blanks and comments", kKnown);
-  source.fail_at(word.data(), "expected the beginning of an STL, OBJ, PLY or OFF, found " + quoted(word), kKnown);
+  source.fail_at(word.data(), "expected the beginning of an STL, OBJ, PLY or OFF, found " + quoted(word),
+                 kKnown);
 }
 
 // Files of other kinds that are given to mesh programs, by their first bytes.
@@ -133,11 +136,16 @@ Kind kind_of(const Source& source, const std::optional<Kind>& by_suffix) {
 MeshFile read_as(Kind kind, Source& source) {
   source.is_text = kind != Kind::stl_binary;
   switch (kind) {
-    case Kind::stl_ascii: return read_stl_ascii(source);
-    case Kind::obj: return read_obj(source);
-    case Kind::ply: return read_ply(source);
-    case Kind::off: return read_off(source);
-    case Kind::stl_binary: break;
+    case Kind::stl_ascii:
+      return read_stl_ascii(source);
+    case Kind::obj:
+      return read_obj(source);
+    case Kind::ply:
+      return read_ply(source);
+    case Kind::off:
+      return read_off(source);
+    case Kind::stl_binary:
+      break;
   }
   return read_stl_binary(source);
 }
@@ -176,7 +184,8 @@ MeshFile read_mesh(const std::string& path, const MeshReadOptions& options) {
   return read_bytes(file.bytes(), input_label(path), options);
 }
 
-MeshFile read_mesh(std::span<const std::byte> bytes, const std::string& label, const MeshReadOptions& options) {
+MeshFile read_mesh(std::span<const std::byte> bytes, const std::string& label,
+                   const MeshReadOptions& options) {
   return read_bytes({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, label, options);
 }
 

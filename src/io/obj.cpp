@@ -30,7 +30,8 @@ class ObjReader {
   // The line up to its end, with the lines that a backslash joins to it.
   std::string_view next_line() {
     std::string_view line = scan_.rest_of_line();
-    if (!line.ends_with('\\')) [[likely]] return line;
+    if (!line.ends_with('\\')) [[likely]]
+      return line;
     joined_.clear();
     while (line.ends_with('\\')) {
       joined_.append(line.substr(0, line.size() - 1)).append(" ");
@@ -64,8 +65,9 @@ class ObjReader {
   double refused_number(std::string_view word, const char* at) {
     if (!source_.salvage && !word.empty())
       source_.fail_at(at, "expected a point's finite coordinate, found " + quoted(word),
-                      has_decimal_comma(word) ? "the file uses decimal commas; re-export it with decimal points"
-                                              : kSalvageHint);
+                      has_decimal_comma(word)
+                          ? "the file uses decimal commas; re-export it with decimal points"
+                          : kSalvageHint);
     return std::numeric_limits<double>::quiet_NaN();
   }
 

@@ -57,7 +57,8 @@ class OffReader {
     const auto [behind, error] = std::from_chars(w.data(), w.data() + w.size(), count);
     if (error != std::errc{} || behind != w.data() + w.size())
       source_.fail_at(w.empty() ? source_.end() : w.data(),
-                      fmt::format("expected the number of {}, found {}", noun, quoted(w)), "re-export the file");
+                      fmt::format("expected the number of {}, found {}", noun, quoted(w)),
+                      "re-export the file");
     return count;
   }
 
@@ -98,7 +99,8 @@ class OffReader {
     double count = 0;
     const std::string_view word = scan_.peek();
     if (!scan_.number(count) || count < 0 || count != std::floor(count))
-      return builder_.add_broken_polygon(at, "expected the number of a face's corners, found " + quoted(word));
+      return builder_.add_broken_polygon(at,
+                                         "expected the number of a face's corners, found " + quoted(word));
     corners_.clear();
     for (double i = 0; i < count; ++i) {
       double index = 0;

@@ -135,7 +135,8 @@ void OutputFile::commit() {
   // EINVAL: a file system that has nothing to flush.
   if (::fsync(fd_) != 0 && errno != EINVAL && errno != ENOTSUP) fail_errno(destination_, errno);
   const int error = !overwrite_ ? rename_new(temporary_.c_str(), destination_.c_str())
-                    : ::rename(temporary_.c_str(), destination_.c_str()) != 0 ? errno : 0;
+                    : ::rename(temporary_.c_str(), destination_.c_str()) != 0 ? errno
+                                                                              : 0;
   if (error == EEXIST) fail_exists(destination_);
   if (error != 0) fail_errno(destination_, error);
   release_slot(slot_);

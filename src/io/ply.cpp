@@ -58,13 +58,17 @@ class HeaderReader {
     bool has_format = false;
     for (;;) {
       skip_line_end();
-      if (scan_.position() == scan_.end()) source_.fail_at(scan_.end(), "expected 'end_header', found the file's end", kReexport);
+      if (scan_.position() == scan_.end())
+        source_.fail_at(scan_.end(), "expected 'end_header', found the file's end", kReexport);
       TextScanner words(next_line());
       const std::string_view keyword = words.word();
       if (keyword == "end_header") break;
-      if (keyword == "format") read_format(words), has_format = true;
-      else if (keyword == "element") read_element(words);
-      else if (keyword == "property") read_property(words);
+      if (keyword == "format")
+        read_format(words), has_format = true;
+      else if (keyword == "element")
+        read_element(words);
+      else if (keyword == "property")
+        read_property(words);
     }
     skip_line_end();
     if (!has_format) source_.fail_at(source_.begin(), "the header has no line 'format'", kReexport);
@@ -77,7 +81,9 @@ class HeaderReader {
     line_at_ = scan_.position();
     return scan_.rest_of_line();
   }
-  bool followed_by_line_feed() const { return scan_.position() + 1 < scan_.end() && scan_.position()[1] == '\n'; }
+  bool followed_by_line_feed() const {
+    return scan_.position() + 1 < scan_.end() && scan_.position()[1] == '\n';
+  }
 
   void skip_line_end() {
     const char* p = scan_.position();
@@ -92,10 +98,14 @@ class HeaderReader {
 
   void read_format(TextScanner& words) {
     const std::string_view format = words.word();
-    if (format == "ascii") header_.encoding = Encoding::text;
-    else if (format == "binary_little_endian") header_.encoding = Encoding::little_endian;
-    else if (format == "binary_big_endian") header_.encoding = Encoding::big_endian;
-    else refuse("format ascii, binary_little_endian or binary_big_endian", format);
+    if (format == "ascii")
+      header_.encoding = Encoding::text;
+    else if (format == "binary_little_endian")
+      header_.encoding = Encoding::little_endian;
+    else if (format == "binary_big_endian")
+      header_.encoding = Encoding::big_endian;
+    else
+      refuse("format ascii, binary_little_endian or binary_big_endian", format);
   }
 
   void read_element(TextScanner& words) {
@@ -116,7 +126,8 @@ class HeaderReader {
     p.is_list = type == "list";
     if (p.is_list) {
       p.count_type = type_of(words.word());
-      if (p.count_type == Type::float32 || p.count_type == Type::float64) refuse("a whole-numbered count", "float");
+      if (p.count_type == Type::float32 || p.count_type == Type::float64)
+        refuse("a whole-numbered count", "float");
       type = words.word();
     }
     p.type = type_of(type);
@@ -183,7 +194,8 @@ T swapped(T value) {
   return std::bit_cast<T>(bytes);
 }
 
-static_assert(std::endian::native == std::endian::little, "big-endian values are swapped, little-endian ones copied");
+static_assert(std::endian::native == std::endian::little,
+              "big-endian values are swapped, little-endian ones copied");
 
 template <bool kSwap>
 class BinaryValues {
@@ -193,14 +205,22 @@ class BinaryValues {
   const char* position() const { return position_; }
   Got next(Type type, double& value) {
     switch (type) {
-      case Type::int8: return take<std::int8_t>(value);
-      case Type::uint8: return take<std::uint8_t>(value);
-      case Type::int16: return take<std::int16_t>(value);
-      case Type::uint16: return take<std::uint16_t>(value);
-      case Type::int32: return take<std::int32_t>(value);
-      case Type::uint32: return take<std::uint32_t>(value);
-      case Type::float32: return take<float>(value);
-      case Type::float64: break;
+      case Type::int8:
+        return take<std::int8_t>(value);
+      case Type::uint8:
+        return take<std::uint8_t>(value);
+      case Type::int16:
+        return take<std::int16_t>(value);
+      case Type::uint16:
+        return take<std::uint16_t>(value);
+      case Type::int32:
+        return take<std::int32_t>(value);
+      case Type::uint32:
+        return take<std::uint32_t>(value);
+      case Type::float32:
+        return take<float>(value);
+      case Type::float64:
+        break;
     }
     return take<double>(value);
   }
@@ -241,9 +261,10 @@ class BodyReader {
       const Got got = read_row(element, at);
       if (got == Got::value) continue;
       const std::string what =
-          got == Got::end ? fmt::format("truncated at {}: header promises {} of {}, file holds {}",
-                                        source_.place(source_.end()), element.count, quoted(element.name), row)
-                          : fmt::format("{}: a list of {} has no valid length", source_.place(at), quoted(element.name));
+          got == Got::end
+              ? fmt::format("truncated at {}: header promises {} of {}, file holds {}",
+                            source_.place(source_.end()), element.count, quoted(element.name), row)
+              : fmt::format("{}: a list of {} has no valid length", source_.place(at), quoted(element.name));
       if (!source_.salvage) source_.fail(what);
       builder_.add_warning(what);
       return false;

@@ -16,7 +16,8 @@ constexpr std::string_view kFacetHint = "re-export the file, or pass --salvage t
 void PolygonBuilder::add_point(const Vec3& point, const char* at) {
   std::vector<Vec3>& points = file_.soup.points;
   if (points.size() >= kMaxFacets)
-    source_.fail_at(at, fmt::format("more than the {} points that can be read", kMaxFacets), "split the file");
+    source_.fail_at(at, fmt::format("more than the {} points that can be read", kMaxFacets),
+                    "split the file");
   const bool broken = !is_finite(point);
   if (broken && !source_.salvage)
     source_.fail_at(at, "a point has a coordinate that is missing or not a finite number", kFacetHint);
@@ -39,7 +40,8 @@ void PolygonBuilder::add_polygon(std::span<const std::int64_t> corners, const ch
   const auto point = [&](std::size_t i) { return static_cast<std::uint32_t>(corners[i]); };
   for (std::size_t i = 2; i < corners.size(); ++i) {
     facets.push_back({point(0), point(i - 1), point(i)});
-    if (std::max({point(0), point(i - 1), point(i)}) >= point_count()) forward_.push_back({facets.size() - 1, at});
+    if (std::max({point(0), point(i - 1), point(i)}) >= point_count())
+      forward_.push_back({facets.size() - 1, at});
   }
 }
 

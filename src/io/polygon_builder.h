@@ -48,7 +48,7 @@ class PolygonBuilder {
 
   const Source& source_;
   MeshFile file_;
-  std::vector<Forward> forward_;          // facets that were ahead of their points
+  std::vector<Forward> forward_;              // facets that were ahead of their points
   std::vector<std::uint32_t> broken_points_;  // ascending
   Tally dropped_, small_;
 };

@@ -31,8 +31,10 @@ std::string quoted(std::string_view bytes) {
   constexpr std::size_t kLongest = 40;
   std::string out = "'";
   for (const char c : bytes.substr(0, kLongest)) {
-    if (c >= 0x20 && c < 0x7f) out += c;
-    else out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
+    if (c >= 0x20 && c < 0x7f)
+      out += c;
+    else
+      out += fmt::format("\\x{:02x}", static_cast<unsigned char>(c));
   }
   return out + (bytes.size() > kLongest ? "...'" : "'");
 }

@@ -14,9 +14,9 @@ inline constexpr std::string_view kSalvageHint = "re-export the file, or pass --
 
 struct Source {
   std::string_view bytes;
-  std::string label;      // the file's name in messages
+  std::string label;  // the file's name in messages
   bool salvage = false;
-  bool is_text = true;    // places are lines of a text, or else bytes
+  bool is_text = true;  // places are lines of a text, or else bytes
 
   const char* begin() const { return bytes.data(); }
   const char* end() const { return bytes.data() + bytes.size(); }

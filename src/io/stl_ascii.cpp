@@ -28,11 +28,12 @@ constexpr std::uint64_t kEndSolid = fold_keyword("endsolid");
 
 constexpr std::string_view kFacetHint = "re-export the file, or pass --salvage to leave such facets out";
 constexpr std::string_view kCommaHint =
-    "the file uses decimal commas; re-export it with decimal points, or pass --salvage to read them as they are";
+    "the file uses decimal commas; re-export it with decimal points, or pass --salvage to read them as they "
+    "are";
 
 bool is_keyword(std::uint64_t key) {
-  return key == kSolid || key == kFacet || key == kOuter || key == kLoop || key == kVertex || key == kEndLoop ||
-         key == kEndFacet || key == kEndSolid;
+  return key == kSolid || key == kFacet || key == kOuter || key == kLoop || key == kVertex ||
+         key == kEndLoop || key == kEndFacet || key == kEndSolid;
 }
 
 class AsciiStlReader {
@@ -59,16 +60,26 @@ class AsciiStlReader {
  private:
   void handle(std::string_view word, const char* at) {
     switch (fold_keyword(word)) {
-      case kVertex: return on_vertex(at);
-      case kFacet: return on_facet(at);
-      case kOuter: return on_outer(at);
-      case kEndLoop: return close_loop();
-      case kEndFacet: return close_facet();
-      case kSolid: return on_solid();
-      case kEndSolid: return on_end_solid();
-      case kEnd: return on_end(at);
-      case kLoop: return;
-      default: odd_words_.add(at);
+      case kVertex:
+        return on_vertex(at);
+      case kFacet:
+        return on_facet(at);
+      case kOuter:
+        return on_outer(at);
+      case kEndLoop:
+        return close_loop();
+      case kEndFacet:
+        return close_facet();
+      case kSolid:
+        return on_solid();
+      case kEndSolid:
+        return on_end_solid();
+      case kEnd:
+        return on_end(at);
+      case kLoop:
+        return;
+      default:
+        odd_words_.add(at);
     }
   }
 
@@ -88,10 +99,17 @@ class AsciiStlReader {
   // "end loop" and its like, in two words.
   void on_end(const char* at) {
     switch (fold_keyword(scan_.peek())) {
-      case kLoop: scan_.word(); return close_loop();
-      case kFacet: scan_.word(); return close_facet();
-      case kSolid: scan_.word(); return on_end_solid();
-      default: odd_words_.add(at);
+      case kLoop:
+        scan_.word();
+        return close_loop();
+      case kFacet:
+        scan_.word();
+        return close_facet();
+      case kSolid:
+        scan_.word();
+        return on_end_solid();
+      default:
+        odd_words_.add(at);
     }
   }
 
@@ -155,10 +173,11 @@ class AsciiStlReader {
   [[noreturn]] void refuse_number(std::string_view word, int axis) {
     if (word.empty()) source_.fail_at(word.data(), "truncated: the file ends within a facet");
     const bool infinite = whole_number(word).has_value();
-    source_.fail_at(word.data(),
-                    fmt::format("{} of a vertex: expected {}, found {}", std::string_view("xyz").substr(axis, 1),
-                                infinite ? "a finite number" : "a number", quoted(word)),
-                    has_decimal_comma(word) ? kCommaHint : kFacetHint);
+    source_.fail_at(
+        word.data(),
+        fmt::format("{} of a vertex: expected {}, found {}", std::string_view("xyz").substr(axis, 1),
+                    infinite ? "a finite number" : "a number", quoted(word)),
+        has_decimal_comma(word) ? kCommaHint : kFacetHint);
   }
 
   void close_loop() {
@@ -193,7 +212,8 @@ class AsciiStlReader {
   }
 
   void emit_fan() {
-    const std::vector<Vec3> loop(soup_.points.begin() + static_cast<std::ptrdiff_t>(loop_start_), soup_.points.end());
+    const std::vector<Vec3> loop(soup_.points.begin() + static_cast<std::ptrdiff_t>(loop_start_),
+                                 soup_.points.end());
     soup_.points.resize(loop_start_);
     for (std::size_t i = 2; i < loop.size(); ++i) {
       soup_.points.insert(soup_.points.end(), {loop[0], loop[i - 1], loop[i]});
@@ -203,7 +223,8 @@ class AsciiStlReader {
 
   void drop_facet(std::size_t corners) {
     if (!source_.salvage)
-      source_.fail_at(facet_at_, fmt::format("expected a facet of 3 vertices, found {}", corners), kFacetHint);
+      source_.fail_at(facet_at_, fmt::format("expected a facet of 3 vertices, found {}", corners),
+                      kFacetHint);
     soup_.points.resize(loop_start_);
     dropped_.add(facet_at_);
   }
@@ -228,7 +249,8 @@ class AsciiStlReader {
     close_group();
   }
 
-  void warn(std::vector<std::string>& out, const Tally& tally, std::string_view noun, std::string_view what) const {
+  void warn(std::vector<std::string>& out, const Tally& tally, std::string_view noun,
+            std::string_view what) const {
     if (tally.count() == 0) return;
     out.push_back(fmt::format("{} {}, the first at {}", counted(tally.count(), noun), what,
                               source_.place(tally.first())));

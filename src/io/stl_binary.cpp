@@ -67,12 +67,13 @@ std::size_t facets_to_read(const Source& source, std::vector<std::string>& warni
   }
   if (rest == promised * kFacetBytes) return promised;
   if (rest % kFacetBytes == 0 && are_plausible(source.begin() + kPrefix, promised, held)) {
-    warnings.push_back(fmt::format("header promises {}, file holds {}: all were read",
-                                   counted(promised, "triangle"), held));
+    warnings.push_back(
+        fmt::format("header promises {}, file holds {}: all were read", counted(promised, "triangle"), held));
     return held;
   }
   warnings.push_back(fmt::format("{} behind the last of {} ignored",
-                                 counted(rest - promised * kFacetBytes, "byte"), counted(promised, "triangle")));
+                                 counted(rest - promised * kFacetBytes, "byte"),
+                                 counted(promised, "triangle")));
   return promised;
 }
 
@@ -111,7 +112,8 @@ class FacetReader {
   void append(const Vec3* points, std::size_t facets) {
     std::array<Facet, kBatch> indices;
     const auto base = static_cast<std::uint32_t>(soup_.points.size());
-    for (std::uint32_t f = 0; f < facets; ++f) indices[f] = {base + 3 * f, base + 3 * f + 1, base + 3 * f + 2};
+    for (std::uint32_t f = 0; f < facets; ++f)
+      indices[f] = {base + 3 * f, base + 3 * f + 1, base + 3 * f + 2};
     soup_.points.insert(soup_.points.end(), points, points + 3 * facets);
     soup_.facets.insert(soup_.facets.end(), indices.data(), indices.data() + facets);
   }
@@ -134,8 +136,9 @@ class FacetReader {
 
 MeshFile read_stl_binary(const Source& source) {
   if (source.bytes.size() < kPrefix)
-    source.fail(fmt::format("a binary STL has at least {} bytes, this file has {}", kPrefix, source.bytes.size()),
-                "re-export the file");
+    source.fail(
+        fmt::format("a binary STL has at least {} bytes, this file has {}", kPrefix, source.bytes.size()),
+        "re-export the file");
   MeshFile file;
   file.format = MeshFormat::stl_binary;
   file.header = std::string(source.bytes.substr(0, std::min<std::size_t>(80, source.bytes.find('\0'))));

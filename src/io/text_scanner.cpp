@@ -68,16 +68,21 @@ double out_of_range(const char* p, const char* end) {
   std::ptrdiff_t magnitude = 0;
   bool seen_point = false, seen_digit = false;
   for (; p < end && *p != 'e' && *p != 'E'; ++p) {
-    if (*p == '.') seen_point = true;
-    else if (!seen_point && (seen_digit || *p != '0')) seen_digit = true, ++magnitude;
-    else if (seen_point && !seen_digit && *p == '0') --magnitude;
-    else seen_digit = true;
+    if (*p == '.')
+      seen_point = true;
+    else if (!seen_point && (seen_digit || *p != '0'))
+      seen_digit = true, ++magnitude;
+    else if (seen_point && !seen_digit && *p == '0')
+      --magnitude;
+    else
+      seen_digit = true;
   }
   if (p == end) return magnitude > 0 ? std::numeric_limits<double>::infinity() : 0;
   const bool negative = ++p < end && *p == '-';
   std::ptrdiff_t exponent = 0;
   for (; p < end; ++p)
-    if (is_digit(*p) && exponent < std::numeric_limits<std::ptrdiff_t>::max() / 32) exponent = 10 * exponent + (*p - '0');
+    if (is_digit(*p) && exponent < std::numeric_limits<std::ptrdiff_t>::max() / 32)
+      exponent = 10 * exponent + (*p - '0');
   return magnitude + (negative ? -exponent : exponent) > 0 ? std::numeric_limits<double>::infinity() : 0;
 }
 

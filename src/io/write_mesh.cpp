@@ -26,12 +26,24 @@ class MeshWriter {
 
   void write() {
     switch (options_.format) {
-      case MeshFormat::stl_binary: write_stl_binary(); break;
-      case MeshFormat::stl_ascii: write_stl_ascii(); break;
-      case MeshFormat::obj: write_obj(); break;
-      case MeshFormat::ply_binary: write_ply(true); break;
-      case MeshFormat::ply_ascii: write_ply(false); break;
-      case MeshFormat::off: write_off(); break;
+      case MeshFormat::stl_binary:
+        write_stl_binary();
+        break;
+      case MeshFormat::stl_ascii:
+        write_stl_ascii();
+        break;
+      case MeshFormat::obj:
+        write_obj();
+        break;
+      case MeshFormat::ply_binary:
+        write_ply(true);
+        break;
+      case MeshFormat::ply_ascii:
+        write_ply(false);
+        break;
+      case MeshFormat::off:
+        write_off();
+        break;
     }
     out_.flush();
   }
@@ -40,9 +52,10 @@ class MeshWriter {
   FloatPoint rounded(const Vec3& p) const {
     const FloatPoint r{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
     if (std::isfinite(r.x) && std::isfinite(r.y) && std::isfinite(r.z)) return r;
-    throw Error(ErrorCode::unwritable_output,
-                fmt::format("{}: the point ({}, {}, {}) is beyond the range of float32", label_, p.x, p.y, p.z),
-                "write OBJ, PLY or OFF, which hold doubles, or scale the model");
+    throw Error(
+        ErrorCode::unwritable_output,
+        fmt::format("{}: the point ({}, {}, {}) is beyond the range of float32", label_, p.x, p.y, p.z),
+        "write OBJ, PLY or OFF, which hold doubles, or scale the model");
   }
 
   std::array<FloatPoint, 3> rounded_corners(std::size_t f) const {
@@ -77,12 +90,14 @@ class MeshWriter {
   std::string stl_header() const {
     TextScanner words(options_.header);
     const std::string_view first = words.peek();
-    return fold_keyword(first.substr(0, 5)) == fold_keyword("solid") ? "STL " + options_.header : options_.header;
+    return fold_keyword(first.substr(0, 5)) == fold_keyword("solid") ? "STL " + options_.header
+                                                                     : options_.header;
   }
 
   void write_stl_ascii() {
     if (soup_.groups.empty()) return write_solid(options_.header, 0, soup_.facets.size());
-    for (const FacetGroup& g : soup_.groups) write_solid(g.name, g.first_facet, g.first_facet + g.facet_count);
+    for (const FacetGroup& g : soup_.groups)
+      write_solid(g.name, g.first_facet, g.first_facet + g.facet_count);
   }
 
   void write_solid(const std::string& name, std::size_t begin, std::size_t end) {
@@ -166,8 +181,10 @@ class MeshWriter {
 
   void write_ply_binary() {
     for (const Vec3& p : soup_.points) {
-      if (options_.double_precision) out_.put_raw(p);
-      else out_.put_raw(rounded(p));
+      if (options_.double_precision)
+        out_.put_raw(p);
+      else
+        out_.put_raw(rounded(p));
     }
     for (const Facet& facet : soup_.facets) {
       out_.put_raw(std::uint8_t{3});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "burnish/core/parallel.h"
 #include "distance_kernel.h"
@@ -16,47 +17,104 @@ struct NodeRange {
   int begin, end;
 };
 
-// Nodes of one axis of a block (lower corner `base`) within `band` of [low, high].
-NodeRange nodes_within(double low, double high, double base, double band) {
-  const int begin = static_cast<int>(std::ceil(std::max(low - band - base, 0.0)));
-  const int end = static_cast<int>(std::floor(std::min(high + band - base, kBlockSide - 1.0))) + 1;
+// Nodes of one axis of a block within `band` of [low, high].
+NodeRange nodes_within(double low, double high, double band) {
+  const int begin = static_cast<int>(std::ceil(std::max(low - band, 0.0)));
+  const int end = static_cast<int>(std::floor(std::min(high + band, kBlockSide - 1.0))) + 1;
   return {begin, end};
 }
 
 double distance_to_range(double x, double low, double high) { return std::max({low - x, x - high, 0.0}); }
 
-// The squared distances of one block while its facets are scattered, and the farthest of each row,
-// below which a facet must come to matter.
-struct BlockDistances {
-  std::array<double, kBlockNodes> squared;
-  std::array<double, kBlockNodes> id;
-  std::array<double, kBlockSide * kBlockSide> row_max;
+Vec3 swapped(Vec3 v, int axis) {
+  std::swap(v.x, v[axis]);
+  return v;
+}
 
-  explicit BlockDistances(double band) {
-    squared.fill(band * band);
-    id.fill(static_cast<double>(kNoFacet));
-    row_max.fill(band * band);
+// One block while its facets are scattered.
+//
+// Rows of eight nodes run along the axis to which the surface is most parallel, so that a row's nodes are about equally
+// far from it and whole rows can be skipped: a facet whose box is farther from the row than the farthest of the row's
+// current distances cannot matter. Coordinates are relative to the block's corner, with x and that axis swapped.
+class BlockScatter {
+ public:
+  BlockScatter(const TriangleSoup& soup, const Vec3& base, double band) : soup_(soup), base_(base), band_(band) {
+    squared_.fill(band * band);
+    id_.fill(static_cast<double>(kNoFacet));
+    row_max_.fill(band * band);
   }
-};
 
-void scatter_facet(const TriangleSoup& soup, std::uint32_t f, const Vec3& base, double band, BlockDistances& block) {
-  const Vec3 &a = soup.corner(f, 0), &b = soup.corner(f, 1), &c = soup.corner(f, 2);
-  const Vec3 low = min(min(a, b), c), high = max(max(a, b), c);
-  const NodeRange ry = nodes_within(low.y, high.y, base.y, band), rz = nodes_within(low.z, high.z, base.z, band);
-  if (ry.begin >= ry.end || rz.begin >= rz.end) return;
-  const PreparedTriangle t = detail::prepare(a, b, c);
-  for (int k = rz.begin; k < rz.end; ++k) {
-    const double dz = distance_to_range(base.z + k, low.z, high.z);
-    for (int j = ry.begin; j < ry.end; ++j) {
-      const double dy = distance_to_range(base.y + j, low.y, high.y);
-      const std::size_t row = static_cast<std::size_t>(j + kBlockSide * k);
-      if (dy * dy + dz * dz >= block.row_max[row]) continue;
-      double* squared = block.squared.data() + row * kBlockSide;
-      detail::update_row(t, f, base.x, base.y + j, base.z + k, squared, block.id.data() + row * kBlockSide);
-      block.row_max[row] = *std::max_element(squared, squared + kBlockSide);
+  void run(std::span<const std::uint32_t> facets, const std::vector<char>& active) {
+    choose_axis(facets);
+    for (const std::uint32_t f : facets)
+      if (active.empty() || active[f]) add(f);
+    // Near rows first: they bring the distances down against which far rows are then skipped.
+    scatter(std::min(1.0, band_));
+    scatter(band_);
+  }
+
+  void store(double* squared, std::uint32_t* nearest) const {
+    const std::array<std::size_t, 3> stride{1, kBlockSide, kBlockSide * kBlockSide};
+    const std::size_t sx = stride[static_cast<std::size_t>(axis_)], sa = axis_ == 1 ? 1 : stride[1], sb = axis_ == 2 ? 1 : stride[2];
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < kBlockSide; ++k)
+      for (std::size_t j = 0; j < kBlockSide; ++j)
+        for (std::size_t i = 0; i < kBlockSide; ++i, ++n) {
+          const std::size_t to = i * sx + j * sa + k * sb;
+          squared[to] = squared_[n];
+          nearest[to] = static_cast<std::uint32_t>(id_[n]);
+        }
+  }
+
+ private:
+  struct Item {
+    PreparedTriangle triangle;
+    Vec3 low, high;
+    double facet;
+  };
+
+  void choose_axis(std::span<const std::uint32_t> facets) {
+    Vec3 across;
+    for (const std::uint32_t f : facets) {
+      const Vec3 n = facet_normal_2a(soup_, f);
+      across += Vec3{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
+    }
+    axis_ = across.x <= across.y && across.x <= across.z ? 0 : across.y <= across.z ? 1 : 2;
+  }
+
+  void add(std::uint32_t f) {
+    const Vec3 a = swapped(soup_.corner(f, 0) - base_, axis_), b = swapped(soup_.corner(f, 1) - base_, axis_),
+               c = swapped(soup_.corner(f, 2) - base_, axis_);
+    items_.push_back({detail::prepare(a, b, c), min(min(a, b), c), max(max(a, b), c), static_cast<double>(f)});
+  }
+
+  void scatter(double band) {
+    for (const Item& item : items_) {
+      const NodeRange ry = nodes_within(item.low.y, item.high.y, band), rz = nodes_within(item.low.z, item.high.z, band);
+      const double dx = std::max({item.low.x - (kBlockSide - 1), -item.high.x, 0.0});
+      for (int k = rz.begin; k < rz.end; ++k) {
+        const double dz = distance_to_range(k, item.low.z, item.high.z);
+        for (int j = ry.begin; j < ry.end; ++j) {
+          const double dy = distance_to_range(j, item.low.y, item.high.y);
+          const std::size_t row = static_cast<std::size_t>(j + kBlockSide * k);
+          if (dx * dx + dy * dy + dz * dz >= row_max_[row]) continue;
+          double* squared = squared_.data() + row * kBlockSide;
+          detail::update_row(item.triangle, item.facet, j, k, squared, id_.data() + row * kBlockSide);
+          row_max_[row] = *std::max_element(squared, squared + kBlockSide);
+        }
+      }
     }
   }
-}
+
+  const TriangleSoup& soup_;
+  const Vec3 base_;
+  const double band_;
+  int axis_ = 0;
+  std::vector<Item> items_;
+  std::array<double, kBlockNodes> squared_;
+  std::array<double, kBlockNodes> id_;
+  std::array<double, kBlockSide * kBlockSide> row_max_;
+};
 
 }  // namespace
 
@@ -64,11 +122,9 @@ void exact_squared_distances(const TriangleSoup& lattice_soup, const SurfaceOctr
                              double band, const std::vector<char>& active, double* squared, std::uint32_t* nearest) {
   const LatticeNode corner = lattice_node(grid.octree, leaf, 0, 0, 0);
   const Vec3 base{static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
-  BlockDistances block(band);
-  for (const std::uint32_t f : grid.facets_of(leaf))
-    if (active.empty() || active[f]) scatter_facet(lattice_soup, f, base, band, block);
-  std::copy(block.squared.begin(), block.squared.end(), squared);
-  std::transform(block.id.begin(), block.id.end(), nearest, [](double id) { return static_cast<std::uint32_t>(id); });
+  BlockScatter block(lattice_soup, base, band);
+  block.run(grid.facets_of(leaf), active);
+  block.store(squared, nearest);
 }
 
 DistanceField exact_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, double band,

@@ -1,5 +1,7 @@
 #include "distance_kernel.h"
 
+#include <algorithm>
+
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__clang__)
 #define BURNISH_DISPATCH __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
@@ -39,11 +41,11 @@ PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 BURNISH_DISPATCH
-void update_row(const PreparedTriangle& t, double facet, double x, double y, double z, double* squared, double* id) {
+void update_row(const PreparedTriangle& t, double facet, double y, double z, double* squared, double* id) {
   const double ay = y - t.a.y, az = z - t.a.z, by = y - t.b.y, bz = z - t.b.z, cy = y - t.c.y, cz = z - t.c.z;
   double d2[kRow];
   for (int i = 0; i < kRow; ++i) {
-    const double px = x + i;
+    const double px = i;
     const double ax = px - t.a.x, bx = px - t.b.x, cx = px - t.c.x;
 
     double s = (ax * t.ab.x + ay * t.ab.y + az * t.ab.z) * t.inverse_ab;

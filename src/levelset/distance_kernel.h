@@ -19,9 +19,8 @@ struct PreparedTriangle {
 
 PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c);
 
-// For the eight points (x + i, y, z), i = 0..7: where the squared distance to the triangle is below squared[i],
+// For the eight points (i, y, z), i = 0..7: where the squared distance to the triangle is below squared[i],
 // replaces it and sets id[i] to `facet`. Ids are doubles so that both live in the same vector lanes.
-void update_row(const PreparedTriangle& triangle, double facet, double x, double y, double z, double* squared,
-                double* id);
+void update_row(const PreparedTriangle& triangle, double facet, double y, double z, double* squared, double* id);
 
 }  // namespace burnish::detail

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <optional>
 
 namespace burnish {
 namespace {
@@ -29,6 +30,29 @@ Range halo_range(int offset, int width) {
   if (offset < 0) return {-width, 0};
   if (offset > 0) return {kBlockSide, kBlockSide + width};
   return {0, kBlockSide};
+}
+
+// `node_value` of a node in the given leaf, without a search, if all corners it needs are the leaf's own.
+template <class T>
+std::optional<double> value_within(const Octree& tree, const Field<T>& field, std::uint32_t leaf, const LatticeNode& node) {
+  const int l = tree.level(leaf);
+  const morton::Position c = tree.corner(leaf);
+  const std::array<std::int32_t, 3> local{node.x - static_cast<std::int32_t>(c.x) * kBlockSide,
+                                          node.y - static_cast<std::int32_t>(c.y) * kBlockSide,
+                                          node.z - static_cast<std::int32_t>(c.z) * kBlockSide};
+  const std::int32_t mask = (1 << l) - 1;
+  std::array<int, 3> low{};
+  std::array<double, 3> t{};
+  for (std::size_t a = 0; a < 3; ++a) {
+    low[a] = local[a] >> l;
+    t[a] = static_cast<double>(local[a] & mask) / (mask + 1);
+    if (low[a] < 0 || low[a] + (t[a] > 0) >= kBlockSide) return std::nullopt;
+  }
+  const T* values = field.block(leaf);
+  const auto v = [&](int i, int j, int k) -> double { return values[node_index(low[0] + i, low[1] + j, low[2] + k)]; };
+  const auto along_x = [&](int j, int k) { return t[0] == 0 ? v(0, j, k) : lerp(v(0, j, k), v(1, j, k), t[0]); };
+  const auto along_y = [&](int k) { return t[1] == 0 ? along_x(0, k) : lerp(along_x(0, k), along_x(1, k), t[1]); };
+  return t[2] == 0 ? along_y(0) : lerp(along_y(0), along_y(1), t[2]);
 }
 
 }  // namespace
@@ -101,10 +125,14 @@ void gather(const Octree& tree, const Field<T>& field, std::size_t leaf, int wid
                       source + node_index(rx.begin - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz), run);
       continue;
     }
+    const bool coarser = tree.neighbor_kind(leaf, dir) == NeighborKind::coarser;
     for (int k = rz.begin; k < rz.end; ++k)
       for (int j = ry.begin; j < ry.end; ++j)
-        for (int i = rx.begin; i < rx.end; ++i)
-          at(i, j, k) = static_cast<T>(node_value(tree, field, lattice_node(tree, leaf, i, j, k)));
+        for (int i = rx.begin; i < rx.end; ++i) {
+          const LatticeNode node = lattice_node(tree, leaf, i, j, k);
+          const auto quick = coarser ? value_within(tree, field, tree.neighbor(leaf, dir), node) : std::nullopt;
+          at(i, j, k) = static_cast<T>(quick ? *quick : node_value(tree, field, node));
+        }
   }
 }
 

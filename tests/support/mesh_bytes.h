@@ -17,7 +17,8 @@
 namespace burnish::test {
 
 // Whether `text` contains all of `parts`; shows the text when it does not.
-inline ::testing::AssertionResult contains(const std::string& text, std::initializer_list<std::string> parts) {
+inline ::testing::AssertionResult contains(const std::string& text,
+                                           std::initializer_list<std::string> parts) {
   for (const std::string& part : parts)
     if (text.find(part) == std::string::npos)
       return ::testing::AssertionFailure() << "no \"" << part << "\" in \"" << text << '"';
@@ -37,7 +38,8 @@ void append_raw(std::string& bytes, T value) {
 }
 
 // A binary STL that promises `count` facets and holds `triangles`.
-inline std::string binary_stl(const std::vector<Triangle>& triangles, std::uint32_t count, std::string header = "test") {
+inline std::string binary_stl(const std::vector<Triangle>& triangles, std::uint32_t count,
+                              std::string header = "test") {
   header.resize(80, '\0');
   append_raw(header, count);
   for (const Triangle& t : triangles) {
@@ -53,12 +55,14 @@ inline std::string binary_stl(const std::vector<Triangle>& triangles) {
   return binary_stl(triangles, static_cast<std::uint32_t>(triangles.size()));
 }
 
-inline MeshFile read_text(const std::string& bytes, const std::string& label = "test.stl", bool salvage = false) {
+inline MeshFile read_text(const std::string& bytes, const std::string& label = "test.stl",
+                          bool salvage = false) {
   return read_mesh(std::as_bytes(std::span(bytes)), label, {salvage});
 }
 
 // The error that reading gives: its message and, after a bar, its hint. Empty when there was none.
-inline std::string read_error(const std::string& bytes, const std::string& label = "test.stl", bool salvage = false) {
+inline std::string read_error(const std::string& bytes, const std::string& label = "test.stl",
+                              bool salvage = false) {
   try {
     read_text(bytes, label, salvage);
   } catch (const Error& error) {

@@ -60,7 +60,8 @@ TriangleSoup random_soup(std::uint64_t seed, bool as_float) {
   soup.facets.resize(1 + random() % 300);
   for (Facet& facet : soup.facets) facet = {corner(), corner(), corner()};
   if (random() % 2) {
-    const auto first = static_cast<std::uint32_t>(soup.facets.size() / 2), all = static_cast<std::uint32_t>(soup.facets.size());
+    const auto first = static_cast<std::uint32_t>(soup.facets.size() / 2),
+               all = static_cast<std::uint32_t>(soup.facets.size());
     soup.groups = {{"b \xff", first, all - first}};
     if (first > 0) soup.groups.insert(soup.groups.begin(), {"a name", 0, first});
   }
@@ -96,7 +97,8 @@ TEST(RoundTrip, EveryFormatGivesBackTheSameBits) {
 TEST(RoundTrip, SinglePrecisionPly) {
   const TriangleSoup soup = random_soup(5, true);
   for (const MeshFormat format : {MeshFormat::ply_ascii, MeshFormat::ply_binary})
-    EXPECT_EQ(read_text(written(soup, {.format = format, .double_precision = false}), "a.ply").soup.points, soup.points);
+    EXPECT_EQ(read_text(written(soup, {.format = format, .double_precision = false}), "a.ply").soup.points,
+              soup.points);
 }
 
 TEST(Writing, BinaryStlHasNormalsOfTheRoundedFacets) {
@@ -157,31 +159,36 @@ TEST(Writing, TheSuffixAsksForAFormat) {
   EXPECT_EQ(format_for_writing("a.b/c.PLY"), MeshFormat::ply_binary);
   EXPECT_EQ(format_for_writing("c.obj"), MeshFormat::obj);
   EXPECT_EQ(format_for_writing("c.off"), MeshFormat::off);
-  for (const char* path : {"a", "a.step", "a.stl/b", ""}) EXPECT_THROW(format_for_writing(path), Error) << path;
+  for (const char* path : {"a", "a.step", "a.stl/b", ""})
+    EXPECT_THROW(format_for_writing(path), Error) << path;
 }
 
 constexpr const char* kObjPoints = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
 
 TEST(Obj, CornersOfAllForms) {
   const std::vector<Facet> expected{{0, 1, 2}};
-  for (const char* face : {"f 1 2 3", "f 1/1 2/5 3/7", "f 1/1/1 2/2/2 3/3/3", "f 1//1 2//2 3//3", "f -4 -3 -2",
-                           "f 1 \\\n 2 \\\r\n 3", "f 1 2 3 # remark", "  f\t1 2 3  "})
+  for (const char* face : {"f 1 2 3", "f 1/1 2/5 3/7", "f 1/1/1 2/2/2 3/3/3", "f 1//1 2//2 3//3",
+                           "f -4 -3 -2", "f 1 \\\n 2 \\\r\n 3", "f 1 2 3 # remark", "  f\t1 2 3  "})
     EXPECT_EQ(read_text(std::string(kObjPoints) + face + "\n", "a.obj").soup.facets, expected) << face;
 }
 
 TEST(Obj, PolygonsAreFansAndGroupsAreKept) {
-  const MeshFile file = read_text(std::string("f 1 2 3\nmtllib x\n") + kObjPoints + "g first one\nf 1 2 3 4\no empty\ng last\nusemtl m\nf 1 2 4", "a.obj");
+  const MeshFile file = read_text(std::string("f 1 2 3\nmtllib x\n") + kObjPoints +
+                                      "g first one\nf 1 2 3 4\no empty\ng last\nusemtl m\nf 1 2 4",
+                                  "a.obj");
   EXPECT_EQ(file.soup.facets, (std::vector<Facet>{{0, 1, 2}, {0, 1, 2}, {0, 2, 3}, {0, 1, 3}}));
   EXPECT_EQ(group_names(file.soup), (std::vector<std::string>{":0", "first one:1", "last:3"}));
 }
 
 TEST(Obj, ExtraNumbersBehindAPointAreColoursOrWeights) {
-  EXPECT_EQ(read_text("v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nf 1 2 3", "a.obj").soup.points[1], (Vec3{1, 0, 0}));
+  EXPECT_EQ(read_text("v 0 0 0 1\nv 1 0 0 0.5 0.5 0.5\nv 0 1 0\nf 1 2 3", "a.obj").soup.points[1],
+            (Vec3{1, 0, 0}));
 }
 
 TEST(Obj, BrokenFacesAndPoints) {
   const std::string good = std::string(kObjPoints) + "f 1 2 3\n";
-  for (const char* face : {"f 1 2 5", "f 0 1 2", "f -5 1 2", "f 1 2 x", "f 1 2 3.5", "f 1 2 99999999999999999999"}) {
+  for (const char* face :
+       {"f 1 2 5", "f 0 1 2", "f -5 1 2", "f 1 2 x", "f 1 2 3.5", "f 1 2 99999999999999999999"}) {
     EXPECT_TRUE(contains(read_error(good + face, "a.obj"), {"a.obj: line 6: ", "--salvage"})) << face;
     const MeshFile file = read_text(good + face, "a.obj", true);
     EXPECT_EQ(file.soup.facets, (std::vector<Facet>{{0, 1, 2}}));
@@ -199,8 +206,10 @@ TEST(Obj, BrokenFacesAndPoints) {
 constexpr const char* kPlyHeader =
     "ply\nformat ascii 1.0\ncomment made by a test\nobj_info none\nelement vertex 4\nproperty uchar red\n"
     "property float x\nproperty list uchar float extra\nproperty double y\nproperty int z\nelement edge 1\n"
-    "property int a\nelement face 2\nproperty uchar flag\nproperty list uchar uint vertex_index\nend_header\n";
-constexpr const char* kPlyBody = "7 0 0 0 0\n7 1 2 9 9 0 0\n7 1 1 9 1 0\n7 0 0 1 0\n5\n1 3 0 1 2\n1 4 0 1 2 3\n";
+    "property int a\nelement face 2\nproperty uchar flag\nproperty list uchar uint "
+    "vertex_index\nend_header\n";
+constexpr const char* kPlyBody =
+    "7 0 0 0 0\n7 1 2 9 9 0 0\n7 1 1 9 1 0\n7 0 0 1 0\n5\n1 3 0 1 2\n1 4 0 1 2 3\n";
 
 TEST(Ply, PropertiesInAnyOrderAndOfAnyType) {
   const MeshFile file = read_text(std::string(kPlyHeader) + kPlyBody, "a.ply");
@@ -245,7 +254,8 @@ TEST(Ply, BinaryOfBothByteOrdersAndAllLineEnds) {
 
 TEST(Ply, BrokenBodies) {
   const std::string bytes = binary_ply(false, "\n");
-  EXPECT_TRUE(contains(read_error(bytes.substr(0, bytes.size() - 1), "a.ply"), {"truncated at byte ", "promises 1 of 'face', file holds 0"}));
+  EXPECT_TRUE(contains(read_error(bytes.substr(0, bytes.size() - 1), "a.ply"),
+                       {"truncated at byte ", "promises 1 of 'face', file holds 0"}));
   EXPECT_TRUE(contains(read_error(binary_ply(true, "\n", 3), "a.ply"), {"byte ", "refers to point 3"}));
   EXPECT_TRUE(contains(read_error(binary_ply(true, "\n", -1), "a.ply"), {"refers to point -1"}));
   std::string text = std::string(kPlyHeader) + kPlyBody;
@@ -281,22 +291,36 @@ TEST(Ply, HugeCountsAllocateNothing) {
 TEST(Off, CountsCommentsAndColours) {
   const std::vector<Facet> expected{{0, 1, 2}, {0, 2, 3}};
   const std::string points = "0 0 0\n1 0 0\n# remark\n1 1 0 # remark\n\n0 1 0\n";
-  for (const std::string head : {"OFF\n4 1 0\n", "OFF 4 1 0\n", "OFF\n4 1\n", "# first\nOFF # second\n# third\n4 1 5\n", "4 1 0\n"})
+  for (const std::string head :
+       {"OFF\n4 1 0\n", "OFF 4 1 0\n", "OFF\n4 1\n", "# first\nOFF # second\n# third\n4 1 5\n", "4 1 0\n"})
     EXPECT_EQ(read_text(head + points + "4 0 1 2 3\n", "a.off").soup.facets, expected) << head;
-  EXPECT_EQ(read_text("COFF\n4 1 0\n0 0 0 1 1 1 1\n1 0 0 0 0 0 1\n1 1 0 9 9 9 9\n0 1 0 1 1 1 1\n4 0 1 2 3 0.5 0.5 0.5\n", "a").soup.facets, expected);
-  EXPECT_EQ(read_text("NOFF\n4 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n4 0 1 2 3\n", "a").soup.facets, expected);
+  EXPECT_EQ(
+      read_text(
+          "COFF\n4 1 0\n0 0 0 1 1 1 1\n1 0 0 0 0 0 1\n1 1 0 9 9 9 9\n0 1 0 1 1 1 1\n4 0 1 2 3 0.5 0.5 0.5\n",
+          "a")
+          .soup.facets,
+      expected);
+  EXPECT_EQ(read_text("NOFF\n4 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n1 1 0 0 0 1\n0 1 0 0 0 1\n4 0 1 2 3\n", "a")
+                .soup.facets,
+            expected);
 }
 
 TEST(Off, BrokenFiles) {
   const std::string points = "0 0 0\n1 0 0\n1 1 0\n";
-  EXPECT_TRUE(contains(read_error("OFF\n3 2 0\n" + points + "3 0 1 2\n", "a.off"), {"header promises 2 faces, file holds 1"}));
-  EXPECT_TRUE(contains(read_error("OFF\n9 1 0\n" + points, "a.off"), {"header promises 9 vertices, file holds 3"}));
-  EXPECT_TRUE(contains(read_error("OFF\n3 1 0\n" + points + "3 0 1 3\n", "a.off"), {"line 6: a polygon refers to point 3"}));
-  EXPECT_TRUE(contains(read_error("OFF\n3 1 0\n0 0 0\n1,5 0 0\n0 0 0\n3 0 1 2\n", "a.off"), {"line 4", "decimal commas"}));
+  EXPECT_TRUE(contains(read_error("OFF\n3 2 0\n" + points + "3 0 1 2\n", "a.off"),
+                       {"header promises 2 faces, file holds 1"}));
+  EXPECT_TRUE(
+      contains(read_error("OFF\n9 1 0\n" + points, "a.off"), {"header promises 9 vertices, file holds 3"}));
+  EXPECT_TRUE(contains(read_error("OFF\n3 1 0\n" + points + "3 0 1 3\n", "a.off"),
+                       {"line 6: a polygon refers to point 3"}));
+  EXPECT_TRUE(contains(read_error("OFF\n3 1 0\n0 0 0\n1,5 0 0\n0 0 0\n3 0 1 2\n", "a.off"),
+                       {"line 4", "decimal commas"}));
   EXPECT_TRUE(contains(read_error("OFF\nx 1 0\n", "a.off"), {"expected the number of vertices, found 'x'"}));
   EXPECT_TRUE(contains(read_error("OFF BINARY\n", "a.off"), {"binary OFF"}));
   EXPECT_TRUE(contains(read_error("4OFF\n1 1 1\n", "a.off"), {"three coordinates"}));
-  EXPECT_EQ(read_text("OFF\n3 99999999999 0\n" + points + "3 0 1 2\n3 0 1\n", "a.off", true).soup.facets.size(), 1u);
+  EXPECT_EQ(
+      read_text("OFF\n3 99999999999 0\n" + points + "3 0 1 2\n3 0 1\n", "a.off", true).soup.facets.size(),
+      1u);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@
 namespace burnish {
 namespace {
 
-using test::contains;
 using test::binary_stl;
+using test::contains;
 using test::read_error;
 using test::read_text;
 using test::tetrahedron;
@@ -35,8 +35,10 @@ std::string solid(const std::string& facets, const std::string& name = "part") {
 std::string with_line_ends(std::string text, const std::string& line_end) {
   std::string out;
   for (const char c : text) {
-    if (c == '\n') out += line_end;
-    else out += c;
+    if (c == '\n')
+      out += line_end;
+    else
+      out += c;
   }
   return out;
 }
@@ -55,7 +57,8 @@ TEST(BinaryStl, HoldsItsFacetsExactly) {
 }
 
 TEST(BinaryStl, HeaderMayBeginWithSolid) {
-  for (const char* header : {"solid", "solid part", "SOLID facet normal", "solid \xff\xfe", "COLOR=\x10\x20\x30\xff"}) {
+  for (const char* header :
+       {"solid", "solid part", "SOLID facet normal", "solid \xff\xfe", "COLOR=\x10\x20\x30\xff"}) {
     const MeshFile file = read_text(binary_stl(tetrahedron(), 4, header));
     EXPECT_EQ(file.format, MeshFormat::stl_binary) << header;
     EXPECT_EQ(file.header, header);
@@ -111,7 +114,8 @@ TEST(BinaryStl, CoordinatesThatAreNotFinite) {
   for (const double bad : {kNan, kInfinity, -kInfinity}) {
     std::vector<Triangle> triangles = tetrahedron();
     triangles[2][1].y = bad;
-    EXPECT_TRUE(contains(read_error(binary_stl(triangles)), {"byte 184: facet 2 has a coordinate that is not"}));
+    EXPECT_TRUE(
+        contains(read_error(binary_stl(triangles)), {"byte 184: facet 2 has a coordinate that is not"}));
     const MeshFile file = read_text(binary_stl(triangles), "test.stl", true);
     EXPECT_EQ(file.soup.facets.size(), 3u);
     EXPECT_TRUE(contains(file.warnings.at(0), {"left out 1 facet"}));
@@ -155,16 +159,23 @@ TEST(AsciiStl, LinesAreCountedForAnyLineEnd) {
 
 TEST(AsciiStl, KeywordsInAnyCase) {
   std::string upper = solid(facet());
-  std::transform(upper.begin(), upper.end(), upper.begin(), [](char c) { return static_cast<char>(std::toupper(c)); });
+  std::transform(upper.begin(), upper.end(), upper.begin(),
+                 [](char c) { return static_cast<char>(std::toupper(c)); });
   EXPECT_EQ(facets_of(upper), 1u);
-  EXPECT_EQ(facets_of("Solid a\nFacet Normal 0 0 1\nOuter Loop\nVertex 0 0 0\nvErtex 1 0 0\nVERTEX 0 1 0\nEndLoop\n"
-                      "EndFacet\nEndSolid\n"), 1u);
-  EXPECT_EQ(facets_of("solid\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 end loop end facet\n"
-                      "end solid"), 1u);
+  EXPECT_EQ(
+      facets_of("Solid a\nFacet Normal 0 0 1\nOuter Loop\nVertex 0 0 0\nvErtex 1 0 0\nVERTEX 0 1 0\nEndLoop\n"
+                "EndFacet\nEndSolid\n"),
+      1u);
+  EXPECT_EQ(
+      facets_of(
+          "solid\nfacet normal 0 0 1 outer loop vertex 0 0 0 vertex 1 0 0 vertex 0 1 0 end loop end facet\n"
+          "end solid"),
+      1u);
 }
 
 TEST(AsciiStl, SolidsBecomeGroupsWithTheirBytesForNames) {
-  const std::vector<std::string> names{"plain", "two words", "\xe6\x9c\x88\xe4\xba\xae", "bad \xff\xfe utf-8", ""};
+  const std::vector<std::string> names{"plain", "two words", "\xe6\x9c\x88\xe4\xba\xae", "bad \xff\xfe utf-8",
+                                       ""};
   std::string text;
   for (const std::string& name : names) text += solid(facet(), name);
   const MeshFile file = read_text(text);
@@ -196,14 +207,17 @@ TEST(AsciiStl, OddWordsAreIgnoredAndCounted) {
 
 TEST(AsciiStl, FacetsWithoutSolidOrNormal) {
   EXPECT_EQ(facets_of(facet()), 1u);
-  EXPECT_EQ(facets_of("solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid"),
-            1u);
+  EXPECT_EQ(
+      facets_of(
+          "solid\nfacet\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\nendloop\nendfacet\nendsolid"),
+      1u);
   EXPECT_EQ(facets_of("\xef\xbb\xbf" + solid(facet())), 1u);
 }
 
 TEST(AsciiStl, MoreThanThreeVerticesMakeAFan) {
   const MeshFile file = read_text(
-      "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 0\nendloop\n"
+      "solid\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 1 1 0\nvertex 0 1 "
+      "0\nendloop\n"
       "endfacet\nendsolid\n");
   const std::vector<Triangle> expected{{Vec3{0, 0, 0}, Vec3{1, 0, 0}, Vec3{1, 1, 0}},
                                        {Vec3{0, 0, 0}, Vec3{1, 1, 0}, Vec3{0, 1, 0}}};
@@ -212,7 +226,8 @@ TEST(AsciiStl, MoreThanThreeVerticesMakeAFan) {
 }
 
 TEST(AsciiStl, FewerThanThreeVertices) {
-  const std::string text = solid(facet() + "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\n");
+  const std::string text =
+      solid(facet() + "facet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop\nendfacet\n");
   EXPECT_TRUE(contains(read_error(text), {"line 9: expected a facet of 3 vertices, found 2", "--salvage"}));
   EXPECT_EQ(facets_of(text, true), 1u);
   const std::string none = solid(facet() + "facet normal 0 0 1\nouter loop\nendloop\nendfacet\n" + facet());
@@ -221,7 +236,8 @@ TEST(AsciiStl, FewerThanThreeVertices) {
 }
 
 TEST(AsciiStl, VerticesThatAreNoFiniteNumbers) {
-  for (const char* bad : {"x", "nan", "inf", "-Infinity", "1e999", "1.#QNAN", "1.0.0", "--1", "+-1", "0x10", "1e", "vertex", ""}) {
+  for (const char* bad : {"x", "nan", "inf", "-Infinity", "1e999", "1.#QNAN", "1.0.0", "--1", "+-1", "0x10",
+                          "1e", "vertex", ""}) {
     const std::string text = solid(facet() + facet(bad));
     EXPECT_TRUE(contains(read_error(text), {"line 1", "expected a ", "--salvage"})) << bad;
     const MeshFile file = read_text(text, "test.stl", true);
@@ -239,7 +255,8 @@ TEST(AsciiStl, DecimalCommas) {
 
 TEST(AsciiStl, FilesThatEndEarly) {
   const std::string text = solid(facet() + facet());
-  EXPECT_TRUE(contains(read_text(text.substr(0, text.find("endsolid"))).warnings.at(0), {"without 'endsolid'"}));
+  EXPECT_TRUE(
+      contains(read_text(text.substr(0, text.find("endsolid"))).warnings.at(0), {"without 'endsolid'"}));
   const std::size_t second = text.rfind("facet normal");
   for (std::size_t size = second + 12; size < text.rfind("endfacet"); size += 7) {
     EXPECT_FALSE(read_error(text.substr(0, size)).empty()) << size;
@@ -248,9 +265,7 @@ TEST(AsciiStl, FilesThatEndEarly) {
   EXPECT_TRUE(contains(read_error(text.substr(0, text.find("vertex 0 1 0") + 8)), {"truncated"}));
 }
 
-TEST(AsciiStl, LongHeaderIsStillText) {
-  EXPECT_EQ(facets_of(solid(facet(), std::string(5000, 'n'))), 1u);
-}
+TEST(AsciiStl, LongHeaderIsStillText) { EXPECT_EQ(facets_of(solid(facet(), std::string(5000, 'n'))), 1u); }
 
 TEST(AsciiStl, StoredNormalsDecideNothing) {
   const std::string text = solid(facet());
@@ -262,10 +277,29 @@ TEST(AsciiStl, StoredNormalsDecideNothing) {
 // The fast path for short decimals, and everything around its edges, against the C library.
 TEST(AsciiStl, NumbersAreTheNearestDoubles) {
   std::mt19937_64 random(20240607);
-  std::vector<std::string> numbers{"0", "-0", "+1", ".5", "5.", "1e22", "1e23", "1e-22", "1e-23", "9007199254740993",
-                                   "9007199254740992e22", "123456789012345678901234567890", "1e-400", "-1e-999999999",
-                                   "0e999999999", "4.9e-324", "2e-324", "1.7976931348623157e308", "0.1", "00001.5000E+003",
-                                   "0." + std::string(400, '0') + "1e400", std::string(30, '1') + "e-30", "0." + std::string(400, '0') + "1"};
+  std::vector<std::string> numbers{"0",
+                                   "-0",
+                                   "+1",
+                                   ".5",
+                                   "5.",
+                                   "1e22",
+                                   "1e23",
+                                   "1e-22",
+                                   "1e-23",
+                                   "9007199254740993",
+                                   "9007199254740992e22",
+                                   "123456789012345678901234567890",
+                                   "1e-400",
+                                   "-1e-999999999",
+                                   "0e999999999",
+                                   "4.9e-324",
+                                   "2e-324",
+                                   "1.7976931348623157e308",
+                                   "0.1",
+                                   "00001.5000E+003",
+                                   "0." + std::string(400, '0') + "1e400",
+                                   std::string(30, '1') + "e-30",
+                                   "0." + std::string(400, '0') + "1"};
   for (int i = 0; i < 20000; ++i) {
     std::string number = random() % 2 ? "-" : "";
     const std::size_t digits = 1 + random() % 21, point = random() % (digits + 1);
@@ -298,7 +332,8 @@ TEST(FormatOfAFile, ContentDecidesBeforeTheName) {
 }
 
 TEST(FormatOfAFile, OtherTextsAndArchivesAreNamed) {
-  EXPECT_TRUE(contains(read_error("hello world\n"), {"line 1: expected the beginning of an STL, OBJ, PLY or OFF, found 'hello'"}));
+  EXPECT_TRUE(contains(read_error("hello world\n"),
+                       {"line 1: expected the beginning of an STL, OBJ, PLY or OFF, found 'hello'"}));
   EXPECT_TRUE(contains(read_error("hello"), {"test.stl: "}));
   EXPECT_TRUE(contains(read_error("PK\x03\x04" + std::string(200, 'x')), {"ZIP"}));
   EXPECT_TRUE(contains(read_error("\x1f\x8b\x08" + std::string(200, '\0')), {"gzip"}));

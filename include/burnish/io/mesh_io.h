@@ -83,7 +83,8 @@ struct MeshWriteOptions {
 
 // Writes to the open file descriptor `fd` and leaves it open; it need not be able to seek. Text has as
 // many digits as it takes to read the same double back, for coordinates rounded to float32 too: readers
-// of either precision see one and the same point. STL normals are computed from the rounded vertices; a facet without area gets a zero normal. OBJ and ASCII STL keep groups.
+// of either precision see one and the same point. STL normals are computed from the rounded vertices;
+// a facet without area gets a zero normal. OBJ and ASCII STL keep groups.
 // Throws Error{unwritable_output}, naming `label`, when the system refuses bytes (disk full; closed pipe,
 // if the program ignores SIGPIPE) and when a coordinate is beyond the range of the format's float32.
 void write_mesh(int fd, const std::string& label, const TriangleSoup& soup,

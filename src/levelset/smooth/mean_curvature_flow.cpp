@@ -1,0 +1,156 @@
+#include "burnish/levelset/smooth/mean_curvature_flow.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "burnish/core/parallel.h"
+#include "burnish/levelset/redistance.h"
+#include "burnish/levelset/volume.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kLargestStep = 1.0 / 6;  // in cells squared; explicit Euler is stable up to here
+constexpr int kStepsPerRedistance = 6;
+constexpr double kFrozen = 1.5;           // nodes within this of the band's edge wait for the next redistancing
+constexpr double kMargin = 4;             // cells of band beyond the farthest the surface may go
+constexpr double kSteepest = 2;           // largest curvature that a lattice can show, in 1 / cell
+constexpr double kVolumeTolerance = 1e-6;
+
+// kappa |grad phi| by central differences; the thesis' (4.5) with phi_xx for its misprinted phi_xx^2.
+template <class At>
+double curvature_speed(At&& at) {
+  const double c = at(0, 0, 0);
+  const double xp = at(1, 0, 0), xm = at(-1, 0, 0), yp = at(0, 1, 0), ym = at(0, -1, 0), zp = at(0, 0, 1), zm = at(0, 0, -1);
+  const double x = 0.5 * (xp - xm), y = 0.5 * (yp - ym), z = 0.5 * (zp - zm);
+  const double xx = xp - 2 * c + xm, yy = yp - 2 * c + ym, zz = zp - 2 * c + zm;
+  const double xy = 0.25 * (at(1, 1, 0) - at(1, -1, 0) - at(-1, 1, 0) + at(-1, -1, 0));
+  const double xz = 0.25 * (at(1, 0, 1) - at(1, 0, -1) - at(-1, 0, 1) + at(-1, 0, -1));
+  const double yz = 0.25 * (at(0, 1, 1) - at(0, 1, -1) - at(0, -1, 1) + at(0, -1, -1));
+  const double g2 = x * x + y * y + z * z;
+  if (g2 < 1e-12) return 0;
+  const double speed = ((y * y + z * z) * xx + (x * x + z * z) * yy + (x * x + y * y) * zz - 2 * (x * y * xy + x * z * xz + y * z * yz)) / g2;
+  const double limit = kSteepest * std::sqrt(g2);
+  return std::clamp(speed, -limit, limit);
+}
+
+template <class T>
+void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress& progress) {
+  constexpr int side = kBlockSide + 2;
+  const double active = set.band - kFrozen;
+  parallel_ranges(set.octree().size(), 16, [&](std::size_t begin, std::size_t end) {
+    progress.check();
+    std::array<T, std::size_t{side} * side * side> dense;
+    for (std::size_t leaf = begin; leaf < end; ++leaf) {
+      if (!set.grid.near_surface(leaf)) continue;
+      const T* old = set.phi.block(leaf);
+      T* out = next.block(leaf);
+      if (std::all_of(old, old + kBlockNodes, [&](T v) { return std::abs(v) >= active; })) {
+        std::copy(old, old + kBlockNodes, out);
+        continue;
+      }
+      gather(set.octree(), set.phi, leaf, 1, dense.data());
+      for (int k = 0; k < kBlockSide; ++k)
+        for (int j = 0; j < kBlockSide; ++j)
+          for (int i = 0; i < kBlockSide; ++i) {
+            const std::size_t n = node_index(i, j, k);
+            if (std::abs(old[n]) >= active) {
+              out[n] = old[n];
+              continue;
+            }
+            const T* center = &dense[static_cast<std::size_t>((i + 1) + side * ((j + 1) + side * (k + 1)))];
+            const double speed = curvature_speed(
+                [&](int dx, int dy, int dz) { return static_cast<double>(center[dx + side * (dy + side * dz)]); });
+            out[n] = static_cast<T>(old[n] + dt * speed);
+          }
+    }
+  });
+}
+
+// Runs the flow; after every redistancing `constrain` may correct phi.
+template <class T, class Constrain>
+FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Constrain&& constrain) {
+  FlowResult result;
+  if (time <= 0) return result;
+  const int steps = static_cast<int>(std::ceil(time / kLargestStep));
+  const double dt = time / steps;
+  Field<T> next = set.phi;
+  for (int step = 1; step <= steps; ++step) {
+    euler_step(set, dt, next, progress);
+    std::swap(set.phi, next);
+    if (step % kStepsPerRedistance == 0 || step == steps) {
+      redistance(set, progress);
+      constrain();
+      next = set.phi;
+    }
+    progress.update(static_cast<double>(step) / steps);
+  }
+  result.time = time;
+  result.steps = steps;
+  return result;
+}
+
+void clamp_to(const Field<float>& reference, double deviation, Field<float>& phi) {
+  const auto t = static_cast<float>(deviation);
+  parallel_for(phi.values.size(), [&](std::size_t i) {
+    phi.values[i] = std::clamp(phi.values[i], reference.values[i] - t, reference.values[i] + t);
+  }, 16384);
+}
+
+void shift(Field<float>& phi, double by) {
+  const auto s = static_cast<float>(by);
+  parallel_for(phi.values.size(), [&](std::size_t i) { phi.values[i] += s; }, 16384);
+}
+
+}  // namespace
+
+template <class T>
+FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress) {
+  return run_flow(level_set, time, progress, [] {});
+}
+
+double flow_time_for(double length) {
+  return std::numbers::ln10 * length * length / (4 * std::numbers::pi * std::numbers::pi);
+}
+
+double band_for_smoothing(double length) { return kMargin + 2 * std::sqrt(flow_time_for(length)); }
+
+SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& options, Progress& progress) {
+  SmoothingResult result;
+  result.volume_before = enclosed_volume(level_set);
+  Field<float> reference;
+  if (options.deviation) reference = level_set.phi;
+  const auto constrain = [&] {
+    if (options.deviation) clamp_to(reference, *options.deviation, level_set.phi);
+  };
+  result.flow = run_flow(level_set, flow_time_for(options.length), progress, constrain);
+  result.volume_after = enclosed_volume(level_set);
+  if (!options.keep_volume) return result;
+
+  // Secant method for the shift; the first step is one that a surface of this volume gains about a per mille by.
+  const Field<float> flowed = level_set.phi;
+  double s0 = 0, v0 = result.volume_after;
+  double s1 = v0 < result.volume_before ? 0.05 : -0.05;
+  for (int iteration = 0; iteration < 8; ++iteration) {
+    if (std::abs(result.volume_after - result.volume_before) <= kVolumeTolerance * std::abs(result.volume_before)) break;
+    progress.check();
+    level_set.phi = flowed;
+    shift(level_set.phi, s1);
+    constrain();
+    result.volume_after = enclosed_volume(level_set);
+    const double slope = (result.volume_after - v0) / (s1 - s0);
+    if (!(slope > 0)) break;
+    s0 = s1;
+    v0 = result.volume_after;
+    s1 = std::clamp(s1 + (result.volume_before - v0) / slope, -1.0, 1.0);
+    if (s1 == s0) break;
+  }
+  return result;
+}
+
+template FlowResult mean_curvature_flow(BasicLevelSet<float>&, double, Progress&);
+template FlowResult mean_curvature_flow(BasicLevelSet<double>&, double, Progress&);
+
+}  // namespace burnish

@@ -1,0 +1,143 @@
+#include "burnish/pipeline/clean.h"
+
+#include <fmt/format.h>
+
+#include "burnish/io/mesh_io.h"
+#include "burnish/levelset/from_triangles.h"
+#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/surface/triangle_index.h"
+#include "burnish/surface/weld.h"
+#include "cleaned_output.h"
+#include "prepare_input.h"
+#include "resolve_options.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kUnsmoothedBand = 3;  // cells of exact distances around the surface
+constexpr double kDomainMargin = 3;    // cells between the band and the walls
+
+// One run: the stages write into the report as they go.
+class Run {
+ public:
+  Run(const CleanJob& job, Progress& progress) : job_(job), progress_(progress) { report_.input = job.input; }
+
+  RepairReport clean() {
+    read();
+    CleanedOutput output(job_.output, job_.overwrite);
+    report_.output = job_.output;
+    report_.output_format = name(output.format());
+    if (prepare()) {
+      resolve();
+      build_level_set();
+      smooth();
+      extract(output);
+      measure();
+      publish(output);
+    }
+    clock_.end();
+    report_.stages = clock_.stages();
+    return std::move(report_);
+  }
+
+ private:
+  void begin(const char* stage) {
+    progress_.check();
+    clock_.begin(stage);
+    progress_.begin_stage(stage);
+  }
+
+  void read() {
+    begin("reading");
+    MeshFile file = read_mesh(job_.input, {.salvage = job_.salvage});
+    report_.input_format = name(file.format);
+    report_.warnings = std::move(file.warnings);
+    input_ = weld(std::move(file.soup));
+  }
+
+  // Inspects, orients and caps the input. False if it bounds no solid.
+  bool prepare() {
+    begin("inspecting");
+    report_.before = inspect(input_, {}, progress_).defects;
+    begin("repairing");
+    prepared_ = prepare_input(input_, report_.before, report_.actions);
+    report_.failure = reason_for_no_solid(input_, prepared_, report_.before, report_.actions);
+    return !report_.failure;
+  }
+
+  void resolve() { report_.options = resolve_options(job_.options, prepared_, report_.warnings); }
+
+  void build_level_set() {
+    begin("distances and signs");
+    const ResolvedOptions& options = report_.options;
+    const double smooth_cells = options.smooth / options.cell;
+    const double band = smooth_cells > 0 ? band_for_smoothing(smooth_cells) : kUnsmoothedBand;
+    const GridFrame frame = make_frame(bounding_box(prepared_), options.cell, band + kDomainMargin);
+    LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, band, progress_);
+    report_.actions.ambiguous_regions = built.ambiguous_regions;
+    report_.actions.interior_facets_ignored = built.interior_facets;
+    if (built.unresolved_facets > 0)
+      report_.warnings.push_back(
+          fmt::format("{} facets ({:.3g} of area) bound sheets or walls thinner than a cell of {:.4g} and are not in the result; "
+                      "choose a smaller --cell if they matter",
+                      built.unresolved_facets, built.unresolved_area * options.cell * options.cell, options.cell));
+    level_set_ = std::move(built.level_set);
+    const Octree& tree = level_set_.octree();
+    report_.grid.blocks = tree.size();
+    report_.grid.levels = tree.depth() + 1;
+    for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) report_.grid.finest_blocks += tree.level(leaf) == 0;
+    report_.grid.bytes_planned = planned_bytes(prepared_, options.cell, band);
+  }
+
+  void smooth() {
+    const ResolvedOptions& options = report_.options;
+    if (options.smooth <= 0) return;
+    begin("smoothing");
+    SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true};
+    if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
+    const SmoothingResult done = smooth_by_flow(level_set_, in_cells, progress_);
+    const double square = options.cell * options.cell;
+    report_.smoothing = {options.smooth, done.flow.time * square, done.flow.steps,
+                         done.volume_before * square * options.cell, done.volume_after * square * options.cell};
+  }
+
+  void extract(CleanedOutput& output) {
+    begin("extracting and verifying");
+    const Inspection inspection = output.write_verified(level_set_, progress_);
+    report_.after = inspection.defects;
+    report_.verified = inspection.defects.valid_solid();
+    if (!report_.verified) report_.failure = output.reason_for_failure(inspection.defects);
+    result_ = output.take_result();
+    level_set_ = {};
+  }
+
+  void measure() {
+    if (result_.facets.empty()) return;
+    begin("measuring");
+    report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
+    progress_.check();
+    report_.deviation.input_to_output = one_sided_distance(input_, TriangleIndex(result_));
+  }
+
+  void publish(CleanedOutput& output) {
+    if (!report_.verified && !job_.allow_invalid) return;
+    begin("writing");
+    output.publish();
+    report_.written = true;
+  }
+
+  const CleanJob& job_;
+  Progress& progress_;
+  StageClock clock_;
+  RepairReport report_;
+  TriangleSoup input_;     // welded, otherwise as read
+  TriangleSoup prepared_;  // oriented and capped
+  LevelSet level_set_;
+  TriangleSoup result_;    // read back, welded
+};
+
+}  // namespace
+
+RepairReport clean(const CleanJob& job, Progress& progress) { return Run(job, progress).clean(); }
+
+}  // namespace burnish

@@ -1,0 +1,107 @@
+#include "cleaned_output.h"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <vector>
+
+#include "burnish/core/parallel.h"
+#include "burnish/extract/marching_tetrahedra.h"
+#include "burnish/surface/edge_table.h"
+#include "burnish/surface/weld.h"
+
+namespace burnish {
+namespace {
+
+constexpr int kMendingRounds = 6;
+constexpr double kFloatStepShare = 0.02;  // of a cell: float32 steps beyond this deform the surface visibly
+
+std::string temporary_folder() {
+  const char* folder = std::getenv("TMPDIR");
+  return folder && *folder ? folder : "/tmp";
+}
+
+// The facets of a welded soup that keep it from being a valid solid.
+std::vector<std::uint32_t> broken_facets(const TriangleSoup& welded, const Inspection& inspection) {
+  std::vector<std::uint32_t> broken;
+  for (const auto& pair : inspection.self_intersections) broken.insert(broken.end(), pair.begin(), pair.end());
+  for (std::uint32_t f = 0; f < welded.facets.size(); ++f)
+    if (repeats_point(welded.facets[f]) || squared_norm(facet_normal_2a(welded, f)) == 0) broken.push_back(f);
+  const EdgeTable table(welded);
+  for (std::size_t e = 0; e < table.size(); ++e) {
+    if (table.uses(e).size() == 2 && !table.is_misoriented(e)) continue;
+    for (const EdgeUse& use : table.uses(e)) broken.push_back(use.facet);
+  }
+  std::sort(broken.begin(), broken.end());
+  broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
+  return broken;
+}
+
+// Marks the surroundings of the facets for a plain extraction. False if the extraction cannot tell where they are.
+bool mark_for_mending(const Octree& tree, const ExtractedSurface& surface, const std::vector<std::uint32_t>& facets, PlainNodes& plain) {
+  if (surface.origins.empty() || facets.empty()) return false;
+  std::vector<VertexOrigin> origins;
+  for (const std::uint32_t f : facets)
+    for (const std::uint32_t v : surface.soup.facets[f]) origins.push_back(surface.origins[v]);
+  mark_plain(tree, origins, plain);
+  return true;
+}
+
+}  // namespace
+
+CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : destination_(destination) {
+  const bool to_stdout = destination == "-";
+  options_.format = to_stdout ? MeshFormat::stl_binary : format_for_writing(destination);
+  file_ = std::make_unique<OutputFile>(to_stdout ? fmt::format("{}/burnish-output-{}.stl", temporary_folder(), getpid()) : destination,
+                                       overwrite);
+}
+
+void CleanedOutput::write(const TriangleSoup& soup) {
+  file_->truncate();
+  write_mesh(file_->fd(), destination_, soup, options_);
+}
+
+Inspection CleanedOutput::write_verified(const LevelSet& level_set, Progress& progress) {
+  PlainNodes plain;
+  for (int round = 0;; ++round) {
+    ExtractedSurface surface = extract_surface(level_set, {.snap = true, .plain = round ? &plain : nullptr}, progress);
+    if (surface.soup.facets.empty()) return {};
+    TriangleSoup model = surface.soup;
+    parallel_for(model.points.size(), [&](std::size_t i) { model.points[i] = level_set.frame.to_model(model.points[i]); });
+    const Box3 box = bounding_box(model);
+    const double largest = std::max({norm(box.lower), norm(box.upper)});
+    float_steps_too_coarse_ = stores_float32(options_.format) && largest * 0x1p-24 > kFloatStepShare * level_set.frame.cell;
+    write(model);
+    model = {};
+    result_ = weld(read_mesh(file_->temporary_path()).soup);
+    Inspection inspection = inspect(result_, {}, progress);
+    if (inspection.defects.valid_solid() || round == kMendingRounds) return inspection;
+    if (!mark_for_mending(level_set.octree(), surface, broken_facets(result_, inspection), plain)) return inspection;
+  }
+}
+
+Error CleanedOutput::reason_for_failure(const Defects& after) const {
+  if (after.facets == 0)
+    return Error(ErrorCode::guarantee_unmet, "no solid: nothing of the input bounds a volume that cells of this size can hold",
+                 "choose a smaller --cell, or give sheets a thickness first");
+  const std::string found = fmt::format("{} open edges, {} non-manifold edges, {} non-manifold points, {} degenerate facets, {} self-intersecting pairs",
+                                        after.open_edges, after.non_manifold_edges, after.non_manifold_points,
+                                        after.degenerate_facets, after.self_intersecting_pairs);
+  if (float_steps_too_coarse_)
+    return Error(ErrorCode::guarantee_unmet, "the result is not a valid solid once its coordinates are rounded to float32: " + found,
+                 "the model lies too far from the origin for this cell: write .ply (double precision), move it, or choose a larger --cell");
+  return Error(ErrorCode::guarantee_unmet, "the result could not be verified as a valid solid: " + found,
+               "try another --cell; --allow-invalid writes the result as it is");
+}
+
+void CleanedOutput::publish() {
+  if (destination_ == "-") {
+    write_mesh(1, "standard output", result_, options_);
+  } else {
+    file_->commit();
+  }
+}
+
+}  // namespace burnish

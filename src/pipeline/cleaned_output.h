@@ -1,0 +1,49 @@
+// The result on its way out: written to a temporary, read back, verified, mended, published.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "burnish/core/error.h"
+#include "burnish/core/progress.h"
+#include "burnish/io/mesh_io.h"
+#include "burnish/io/output_file.h"
+#include "burnish/levelset/level_set.h"
+#include "burnish/surface/inspect.h"
+
+namespace burnish {
+
+class CleanedOutput {
+ public:
+  // `destination` is a path or "-" (standard output, binary STL). Throws Error as OutputFile does, and Error{usage}
+  // for a suffix that no format has.
+  CleanedOutput(const std::string& destination, bool overwrite);
+
+  MeshFormat format() const { return options_.format; }
+
+  // Extracts the surface, writes it to the temporary, reads it back, welds and inspects it. What rounding to the
+  // file's precision broke is extracted anew with plainer facets and written again, a few times. Returns the last
+  // inspection of the file as it stands.
+  Inspection write_verified(const LevelSet& level_set, Progress& progress);
+
+  // The surface as read back from the temporary, welded.
+  TriangleSoup take_result() { return std::move(result_); }
+
+  // What to tell the user about a result that is no valid solid.
+  Error reason_for_failure(const Defects& after) const;
+
+  // Renames the temporary to the destination, or copies it to standard output.
+  void publish();
+
+ private:
+  void write(const TriangleSoup& soup);
+
+  std::string destination_;
+  MeshWriteOptions options_;
+  std::unique_ptr<OutputFile> file_;
+  TriangleSoup result_;
+  bool float_steps_too_coarse_ = false;
+};
+
+}  // namespace burnish

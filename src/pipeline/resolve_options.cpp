@@ -1,0 +1,75 @@
+#include "resolve_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/core/error.h"
+#include "burnish/levelset/smooth/mean_curvature_flow.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 800;  // of the diagonal, for a default cell
+constexpr double kBytesPerFacet = 500;         // input, index, inspection
+constexpr double kBytesPerCell = 700;          // of surface: extraction, result, verification
+constexpr double kBytesPerCellAndBand = 60;    // of surface, and cell of band
+
+double band_of(const Length& smooth, double diagonal, double cell) {
+  const double length = smooth.in_model_units(diagonal, cell);
+  return length > 0 ? band_for_smoothing(length / cell) : 3;
+}
+
+// The finest cell up to `coarsest` that fits the budget.
+double fitted_cell(const CleanOptions& asked, const TriangleSoup& prepared, double diagonal, double cell) {
+  for (int i = 0; i < 200; ++i) {
+    if (planned_bytes(prepared, cell, band_of(asked.smooth, diagonal, cell)) <= asked.memory_bytes) break;
+    cell *= 1.05;
+  }
+  return cell;
+}
+
+double asked_cell(const CleanOptions& asked, const Box3& box) {
+  if (asked.resolution) return box.longest_side() / *asked.resolution;
+  const double cell = asked.cell->in_model_units(box.diagonal(), 0);
+  if (!(cell > 0)) throw Error(ErrorCode::usage, "--cell must be a length greater than zero", "for example --cell 0.5 or --cell 0.2%");
+  return cell;
+}
+
+}  // namespace
+
+std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double band) {
+  const double cells = area(prepared) / (cell * cell);
+  return static_cast<std::uint64_t>(kBytesPerFacet * static_cast<double>(prepared.facets.size()) +
+                                    cells * (kBytesPerCell + kBytesPerCellAndBand * band));
+}
+
+ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& prepared, std::vector<std::string>& warnings) {
+  const Box3 box = bounding_box(prepared);
+  const double diagonal = box.diagonal();
+  ResolvedOptions resolved;
+  resolved.memory_bytes = asked.memory_bytes;
+  resolved.cell_was_chosen = !asked.cell && !asked.resolution;
+  if (resolved.cell_was_chosen) {
+    const double wanted = std::clamp(mean_edge_length(prepared), kFinest * diagonal, kCoarsest * diagonal);
+    resolved.cell = fitted_cell(asked, prepared, diagonal, wanted);
+    if (resolved.cell > wanted)
+      warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));
+  } else {
+    resolved.cell = asked_cell(asked, box);
+    const std::uint64_t needed = planned_bytes(prepared, resolved.cell, band_of(asked.smooth, diagonal, resolved.cell));
+    if (needed > asked.memory_bytes)
+      throw Error(ErrorCode::memory_limit,
+                  fmt::format("a cell of {:.4g} ({:.0f} along the longest side) needs about {:.1f} GB; the budget is {:.1f} GB", resolved.cell,
+                              box.longest_side() / resolved.cell, static_cast<double>(needed) * 0x1p-30,
+                              static_cast<double>(asked.memory_bytes) * 0x1p-30),
+                  fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked, prepared, diagonal, resolved.cell)));
+  }
+  resolved.cells_along_longest_side = box.longest_side() / resolved.cell;
+  resolved.smooth = asked.smooth.in_model_units(diagonal, resolved.cell);
+  if (asked.deviation) resolved.deviation = asked.deviation->in_model_units(diagonal, resolved.cell);
+  return resolved;
+}
+
+}  // namespace burnish

@@ -1,0 +1,22 @@
+// Where relative lengths become model units, and defaults become numbers.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "burnish/pipeline/options.h"
+#include "burnish/surface/triangle_soup.h"
+
+namespace burnish {
+
+// Resolves the options for a prepared soup. Default cell: the mean edge, but no more than 1/300 and no less than
+// 1/800 of the diagonal, and as coarse as the memory budget asks. What had to give way is added to `warnings`.
+// Throws Error{memory_limit} if an explicit cell does not fit the budget, Error{usage} if a length makes no sense.
+ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& prepared, std::vector<std::string>& warnings);
+
+// The memory that a run with this cell is expected to need, in bytes: proportional to the surface's area in cells and
+// to the band's width (calibrated in docs/benchmarks.md, rounded up), plus what the input itself takes.
+std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double band);
+
+}  // namespace burnish
