@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <vector>
 
@@ -17,8 +18,9 @@ namespace {
 
 constexpr double kUnmatchedShare = 0.05;  // of the edges, beyond which open edges are welded within a tolerance
 constexpr double kWeldShare = 0.1;        // of the median edge: that tolerance
-constexpr double kSheetCapShare = 0.75;   // caps larger than this part of the input's area are not openings of a solid
-constexpr double kFlatness = 1e-4;        // volume over area^1.5 below which there is nothing inside
+constexpr double kSheetCapShare = 0.75;   // caps larger than this part of the input's area
+constexpr double kSheetRoundness = 0.05;  // and whose solid is flat by this measure are sheets
+constexpr double kFlatRoundness = 1e-7;   // below this there is nothing inside
 
 double median_edge(const TriangleSoup& soup) {
   std::vector<double> lengths;
@@ -36,6 +38,12 @@ double open_share(const TriangleSoup& soup) {
   std::size_t open = 0;
   for (std::size_t e = 0; e < table.size(); ++e) open += table.is_open(e);
   return table.size() ? static_cast<double>(open) / static_cast<double>(table.size()) : 0;
+}
+
+// 36 pi V^2 / A^3: 1 for a ball, 0 for what is flat.
+double isoperimetric_quotient(const TriangleSoup& soup) {
+  const double a = area(soup), v = signed_volume(soup);
+  return a > 0 ? 36 * std::numbers::pi * v * v / (a * a * a) : 0;
 }
 
 TriangleSoup drop_useless_facets(const TriangleSoup& soup, RepairActions& actions) {
@@ -72,16 +80,16 @@ std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const Trian
   if (prepared.facets.empty() || input_area <= 0)
     return Error(ErrorCode::guarantee_unmet, fmt::format("no solid: none of the {} facets has an area", welded.facets.size()),
                  "re-export the model; every facet in this file is a line or a point");
-  if (actions.cap_area > kSheetCapShare * input_area)
+  const double roundness = isoperimetric_quotient(prepared);
+  if (actions.cap_area > kSheetCapShare * input_area && roundness < kSheetRoundness)
     return Error(ErrorCode::guarantee_unmet,
                  fmt::format("no solid: an open sheet; its {} open edges in {} loops would need caps of {:.0f} % of the input's area",
                              before.open_edges, before.open_loops, 100 * actions.cap_area / input_area),
                  "close the model, or give the sheet a thickness, before cleaning it as a solid");
-  const double volume = std::abs(signed_volume(prepared));
-  if (volume < kFlatness * input_area * std::sqrt(input_area))
+  if (roundness < kFlatRoundness)
     return Error(ErrorCode::guarantee_unmet,
-                 fmt::format("no solid: the surface encloses a volume of {:.3g} with an area of {:.3g}: it is flat, or its parts cancel", volume,
-                             input_area),
+                 fmt::format("no solid: the surface encloses a volume of {:.3g} with an area of {:.3g}: it is flat, or its parts cancel",
+                             std::abs(signed_volume(prepared)), input_area),
                  "give the sheet a thickness, or check that the facets' orientation is consistent");
   return std::nullopt;
 }

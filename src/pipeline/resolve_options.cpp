@@ -11,7 +11,8 @@
 namespace burnish {
 namespace {
 
-constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 800;  // of the diagonal, for a default cell
+constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
+constexpr double kCellsAcross = 6;             // of the mean thickness
 constexpr double kBytesPerFacet = 500;         // input, index, inspection
 constexpr double kBytesPerCell = 700;          // of surface: extraction, result, verification
 constexpr double kBytesPerCellAndBand = 60;    // of surface, and cell of band
@@ -28,6 +29,17 @@ double fitted_cell(const CleanOptions& asked, const TriangleSoup& prepared, doub
     cell *= 1.05;
   }
   return cell;
+}
+
+// Twice the volume over the area: the thickness of a plate, a third of a sphere's diameter.
+double mean_thickness(const TriangleSoup& prepared) {
+  const double a = area(prepared);
+  return a > 0 ? 2 * std::abs(signed_volume(prepared)) / a : 0;
+}
+
+double default_cell(const TriangleSoup& prepared, double diagonal) {
+  const double wanted = std::min(mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross);
+  return std::clamp(wanted, kFinest * diagonal, kCoarsest * diagonal);
 }
 
 double asked_cell(const CleanOptions& asked, const Box3& box) {
@@ -52,7 +64,7 @@ ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& p
   resolved.memory_bytes = asked.memory_bytes;
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
-    const double wanted = std::clamp(mean_edge_length(prepared), kFinest * diagonal, kCoarsest * diagonal);
+    const double wanted = default_cell(prepared, diagonal);
     resolved.cell = fitted_cell(asked, prepared, diagonal, wanted);
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));
