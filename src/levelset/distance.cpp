@@ -31,14 +31,19 @@ Vec3 swapped(Vec3 v, int axis) {
   return v;
 }
 
-// One block while its facets are scattered.
+// One block while facets are scattered to its nodes.
 //
 // Rows of eight nodes run along the axis to which the surface is most parallel, so that a row's nodes are about equally
 // far from it and whole rows can be skipped: a facet whose box is farther from the row than the farthest of the row's
-// current distances cannot matter. Coordinates are relative to the block's corner, with x and that axis swapped.
+// current distances cannot matter. Coordinates are in cells of the block, relative to its corner, with x and that axis
+// swapped.
 class BlockScatter {
  public:
-  BlockScatter(const TriangleSoup& soup, const Vec3& base, double band) : soup_(soup), base_(base), band_(band) {
+  // The nodes of a leaf; `band` in its cells.
+  BlockScatter(const TriangleSoup& soup, const Octree& tree, std::size_t leaf, double band)
+      : soup_(soup), cell_(static_cast<double>(1u << tree.level(leaf))), band_(band) {
+    const LatticeNode corner = lattice_node(tree, leaf, 0, 0, 0);
+    base_ = {static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
     squared_.fill(band * band);
     id_.fill(static_cast<double>(kNoFacet));
     row_max_.fill(band * band);
@@ -61,7 +66,7 @@ class BlockScatter {
       for (std::size_t j = 0; j < kBlockSide; ++j)
         for (std::size_t i = 0; i < kBlockSide; ++i, ++n) {
           const std::size_t to = i * sx + j * sa + k * sb;
-          squared[to] = squared_[n];
+          squared[to] = squared_[n] * (cell_ * cell_);
           nearest[to] = static_cast<std::uint32_t>(id_[n]);
         }
   }
@@ -83,8 +88,8 @@ class BlockScatter {
   }
 
   void add(std::uint32_t f) {
-    const Vec3 a = swapped(soup_.corner(f, 0) - base_, axis_), b = swapped(soup_.corner(f, 1) - base_, axis_),
-               c = swapped(soup_.corner(f, 2) - base_, axis_);
+    const auto local = [&](int i) { return swapped((soup_.corner(f, i) - base_) / cell_, axis_); };
+    const Vec3 a = local(0), b = local(1), c = local(2);
     items_.push_back({detail::prepare(a, b, c), min(min(a, b), c), max(max(a, b), c), static_cast<double>(f)});
   }
 
@@ -107,7 +112,8 @@ class BlockScatter {
   }
 
   const TriangleSoup& soup_;
-  const Vec3 base_;
+  Vec3 base_;
+  const double cell_;
   const double band_;
   int axis_ = 0;
   std::vector<Item> items_;
@@ -120,9 +126,7 @@ class BlockScatter {
 
 void exact_squared_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, std::size_t leaf,
                              double band, const std::vector<char>& active, double* squared, std::uint32_t* nearest) {
-  const LatticeNode corner = lattice_node(grid.octree, leaf, 0, 0, 0);
-  const Vec3 base{static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
-  BlockScatter block(lattice_soup, base, band);
+  BlockScatter block(lattice_soup, grid.octree, leaf, band);
   block.run(grid.facets_of(leaf), active);
   block.store(squared, nearest);
 }
@@ -142,6 +146,13 @@ DistanceField exact_distances(const TriangleSoup& lattice_soup, const SurfaceOct
     }
   });
   return field;
+}
+
+void squared_distances_to(const TriangleSoup& lattice_soup, std::span<const std::uint32_t> facets, const Octree& tree,
+                          std::size_t leaf, double* squared, std::uint32_t* nearest) {
+  BlockScatter block(lattice_soup, tree, leaf, tree.side() * 2.0 * kBlockSide);
+  block.run(facets, {});
+  block.store(squared, nearest);
 }
 
 }  // namespace burnish

@@ -7,6 +7,7 @@
 #include "burnish/core/parallel.h"
 #include "burnish/levelset/crossings.h"
 #include "burnish/levelset/distance.h"
+#include "burnish/levelset/far_field.h"
 #include "burnish/levelset/sign.h"
 #include "burnish/surface/triangle_index.h"
 
@@ -51,16 +52,15 @@ std::vector<char> boundary_facets(const TriangleSoup& lattice_soup, const Surfac
 
 // Distances anew for the leaves that some facet has left.
 void recompute_without(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, double band,
-                       const std::vector<char>& active, Field<float>& distance) {
+                       const std::vector<char>& active, DistanceField& field) {
   parallel_for(
       grid.octree.size(),
       [&](std::size_t leaf) {
         const auto facets = grid.facets_of(leaf);
         if (std::all_of(facets.begin(), facets.end(), [&](std::uint32_t f) { return active[f] != 0; })) return;
         std::array<double, kBlockNodes> squared;
-        std::array<std::uint32_t, kBlockNodes> nearest;
-        exact_squared_distances(lattice_soup, grid, leaf, band, active, squared.data(), nearest.data());
-        std::transform(squared.begin(), squared.end(), distance.block(leaf),
+        exact_squared_distances(lattice_soup, grid, leaf, band, active, squared.data(), field.nearest.block(leaf));
+        std::transform(squared.begin(), squared.end(), field.distance.block(leaf),
                        [](double d2) { return static_cast<float>(std::sqrt(d2)); });
       },
       16);
@@ -74,18 +74,19 @@ TriangleSoup to_lattice(const TriangleSoup& soup, const GridFrame& frame) {
   return lattice;
 }
 
-LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, double band,
+LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, const LevelSetOptions& options,
                                                Progress& progress) {
+  const double band = options.band;
   LevelSetFromTriangles result;
   const TriangleSoup lattice_soup = to_lattice(soup, frame);
   LevelSet& set = result.level_set;
   set.frame = frame;
   set.band = band;
   set.grid = grow_uniform_band(lattice_soup, frame.depth, band, progress);
-  set.phi = exact_distances(lattice_soup, set.grid, band, {}, progress).distance;
+  DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress);
   const TriangleIndex triangles(lattice_soup);
   const Field<std::uint8_t> crossed = crossed_edges(lattice_soup, set.grid, progress);
-  const InsideField classified = classify_nodes(set.grid, set.phi, crossed, triangles, progress);
+  const InsideField classified = classify_nodes(set.grid, field.distance, crossed, triangles, progress);
   result.regions = classified.regions;
   result.ambiguous_regions = classified.ambiguous_regions;
   result.winding_evaluations = classified.evaluations;
@@ -93,7 +94,9 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   const auto sides = facet_sides(lattice_soup, set.grid, classified.inside, progress);
   const std::vector<char> active = boundary_facets(lattice_soup, set.grid, classified.inside, sides, result);
   if (result.interior_facets + result.unresolved_facets > 0)
-    recompute_without(lattice_soup, set.grid, band, active, set.phi);
+    recompute_without(lattice_soup, set.grid, band, active, field);
+  if (options.far_field) spread_far_field(lattice_soup, set.grid, field, progress);
+  set.phi = std::move(field.distance);
   parallel_for(set.phi.values.size(), [&](std::size_t i) {
     if (!classified.inside.values[i]) set.phi.values[i] = -set.phi.values[i];
   });

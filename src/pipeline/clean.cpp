@@ -73,7 +73,8 @@ class Run {
     const double smooth_cells = options.smooth / options.cell;
     const double band = smooth_cells > 0 ? band_for_smoothing(smooth_cells) : kUnsmoothedBand;
     const GridFrame frame = make_frame(bounding_box(prepared_), options.cell, band + kDomainMargin);
-    LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, band, progress_);
+    // Smoothing and extraction look no farther than the band.
+    LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, {.band = band, .far_field = false}, progress_);
     report_.actions.ambiguous_regions = built.ambiguous_regions;
     report_.actions.interior_facets_ignored = built.interior_facets;
     if (built.unresolved_facets > 0)

@@ -13,9 +13,9 @@ namespace {
 
 constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
 constexpr double kCellsAcross = 6;             // of the mean thickness
-constexpr double kBytesPerFacet = 500;         // input, index, inspection
-constexpr double kBytesPerCell = 700;          // of surface: extraction, result, verification
-constexpr double kBytesPerCellAndBand = 60;    // of surface, and cell of band
+constexpr double kBytesPerFacet = 250;         // input, index, inspection
+constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
+constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
 
 double band_of(const Length& smooth, double diagonal, double cell) {
   const double length = smooth.in_model_units(diagonal, cell);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "burnish/core/progress.h"
@@ -31,5 +32,9 @@ DistanceField exact_distances(const TriangleSoup& lattice_soup, const SurfaceOct
 // The same for one leaf, in double: `squared` and `nearest` get 512 values each. What `exact_distances` rounds.
 void exact_squared_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, std::size_t leaf,
                              double band, const std::vector<char>& active, double* squared, std::uint32_t* nearest);
+
+// Squared distances (in finest cells) of a leaf's 512 nodes, of any level, to the nearest of the given facets.
+void squared_distances_to(const TriangleSoup& lattice_soup, std::span<const std::uint32_t> facets, const Octree& tree,
+                          std::size_t leaf, double* squared, std::uint32_t* nearest);
 
 }  // namespace burnish

@@ -19,13 +19,18 @@ struct LevelSetFromTriangles {
   double unresolved_area = 0;          // of the latter, in cells squared
 };
 
+struct LevelSetOptions {
+  double band = 3;        // cells of exact distance on both sides of the surface
+  bool far_field = true;  // spread distances to the whole domain; without it |phi| ends at `band`
+};
+
 // The signed distance to the surface of the solid that the soup bounds: exact where it is at most `band` cells,
-// +-band beyond, positive inside.
+// propagated from there to the rest of the domain (levelset/far_field.h) if asked for, positive inside.
 //
 // `soup` is closed as a chain (surface/boundary_caps.h) and in model coordinates. Facets that do not separate
 // inside from outside are no part of the solid's surface and lose their influence on the distance.
 // Throws Error{interrupted}. Same bits for any number of threads.
-LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, double band,
+LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, const LevelSetOptions& options = {},
                                                Progress& progress = no_progress());
 
 // The soup in lattice coordinates of the frame.

@@ -1,0 +1,138 @@
+#include "burnish/levelset/far_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::size_t kMostCandidates = 48;
+constexpr std::array<int, 2> kSampled{0, 7};  // along each axis of a neighbour
+
+void add_sampled(const DistanceField& field, std::size_t leaf, std::vector<std::uint32_t>& candidates) {
+  const std::uint32_t* nearest = field.nearest.block(leaf);
+  for (const int k : kSampled)
+    for (const int j : kSampled)
+      for (const int i : kSampled)
+        if (const std::uint32_t f = nearest[node_index(i, j, k)]; f != kNoFacet) candidates.push_back(f);
+}
+
+void add_own(const DistanceField& field, std::size_t leaf, std::vector<std::uint32_t>& candidates) {
+  const std::uint32_t* nearest = field.nearest.block(leaf);
+  for (std::size_t n = 0; n < kBlockNodes; ++n)
+    if (nearest[n] != kNoFacet) candidates.push_back(nearest[n]);
+}
+
+// Sorted, each once, thinned evenly if there are too many.
+void thin_out(std::vector<std::uint32_t>& candidates) {
+  std::sort(candidates.begin(), candidates.end());
+  candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
+  const std::size_t n = candidates.size();
+  if (n <= kMostCandidates) return;
+  for (std::size_t i = 0; i < kMostCandidates; ++i) candidates[i] = candidates[i * n / kMostCandidates];
+  candidates.resize(kMostCandidates);
+}
+
+class FarField {
+ public:
+  FarField(const TriangleSoup& soup, const SurfaceOctree& grid, DistanceField& field, Progress& progress)
+      : soup_(soup), tree_(grid.octree), field_(field), progress_(progress), wave_of_(tree_.size(), kUnreached) {
+    for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf) {
+      const std::uint32_t* nearest = field.nearest.block(leaf);
+      if (std::any_of(nearest, nearest + kBlockNodes, [](std::uint32_t f) { return f != kNoFacet; })) {
+        wave_of_[leaf] = 0;
+        front_.push_back(leaf);
+      }
+    }
+  }
+
+  void run() {
+    // First the rest of the band's own leaves, from values that are exact; then their neighbours, wave by wave.
+    fill(front_, 1);
+    for (int wave = 1; !front_.empty(); ++wave) {
+      advance(wave);
+      fill(front_, wave);
+    }
+  }
+
+ private:
+  static constexpr int kUnreached = 1 << 30;
+
+  void advance(int wave) {
+    std::vector<std::uint32_t> next;
+    for (const std::uint32_t leaf : front_)
+      for (int dir = 0; dir < kDirections; ++dir)
+        for (const std::uint32_t other : tree_.neighbors(leaf, dir))
+          if (wave_of_[other] == kUnreached) {
+            wave_of_[other] = wave;
+            next.push_back(other);
+          }
+    std::sort(next.begin(), next.end());
+    front_.swap(next);
+  }
+
+  // Leaves read what waves before `wave` left and write their own far nodes: into copies first, so that leaves of one
+  // wave do not see each other's half-done work.
+  void fill(const std::vector<std::uint32_t>& leaves, int wave) {
+    struct Values {
+      std::array<float, kBlockNodes> distance;
+      std::array<std::uint32_t, kBlockNodes> nearest;
+    };
+    constexpr std::size_t kBatch = 4096;
+    std::vector<Values> values(std::min(kBatch, leaves.size()));
+    for (std::size_t first = 0; first < leaves.size(); first += kBatch) {
+      const std::size_t count = std::min(kBatch, leaves.size() - first);
+      parallel_for(
+          count,
+          [&](std::size_t i) {
+            progress_.check();
+            compute(leaves[first + i], wave, values[i].distance.data(), values[i].nearest.data());
+          },
+          8);
+      for (std::size_t i = 0; i < count; ++i) {
+        std::copy(values[i].distance.begin(), values[i].distance.end(), field_.distance.block(leaves[first + i]));
+        std::copy(values[i].nearest.begin(), values[i].nearest.end(), field_.nearest.block(leaves[first + i]));
+      }
+    }
+  }
+
+  void compute(std::uint32_t leaf, int wave, float* distance, std::uint32_t* nearest) const {
+    const float* old_distance = field_.distance.block(leaf);
+    const std::uint32_t* old_nearest = field_.nearest.block(leaf);
+    std::copy(old_distance, old_distance + kBlockNodes, distance);
+    std::copy(old_nearest, old_nearest + kBlockNodes, nearest);
+    if (std::find(old_nearest, old_nearest + kBlockNodes, kNoFacet) == old_nearest + kBlockNodes) return;
+    std::vector<std::uint32_t> candidates;
+    add_own(field_, leaf, candidates);
+    for (int dir = 0; dir < kDirections; ++dir)
+      for (const std::uint32_t other : tree_.neighbors(leaf, dir))
+        if (dir != kSelf && wave_of_[other] < wave) add_sampled(field_, other, candidates);
+    thin_out(candidates);
+    std::array<double, kBlockNodes> squared;
+    std::array<std::uint32_t, kBlockNodes> ids;
+    squared_distances_to(soup_, candidates, tree_, leaf, squared.data(), ids.data());
+    for (std::size_t n = 0; n < kBlockNodes; ++n) {
+      if (old_nearest[n] != kNoFacet || ids[n] == kNoFacet) continue;
+      distance[n] = static_cast<float>(std::sqrt(squared[n]));
+      nearest[n] = ids[n];
+    }
+  }
+
+  const TriangleSoup& soup_;
+  const Octree& tree_;
+  DistanceField& field_;
+  Progress& progress_;
+  std::vector<int> wave_of_;          // when a leaf is filled; 0: has nodes within the band
+  std::vector<std::uint32_t> front_;
+};
+
+}  // namespace
+
+void spread_far_field(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, DistanceField& field, Progress& progress) {
+  FarField(lattice_soup, grid, field, progress).run();
+}
+
+}  // namespace burnish
