@@ -29,10 +29,11 @@ LocalNode corner_of(LocalNode cell, int corner) {
   return cell + Step{corner & 1, corner >> 1 & 1, corner >> 2 & 1};
 }
 
-// Calls check(direction) for every direction of the neighbours that cell or node n of a leaf touches.
+// Calls check(direction) until it fails, for every direction of the neighbours beside cell n of a leaf (margin 0) or beside
+// the cells around node n (margin 1).
 template <class Check>
-bool all_touched(LocalNode n, Check&& check) {
-  const auto low = [](int i) { return i == 0 ? -1 : 0; };
+bool all_touched(LocalNode n, int margin, Check&& check) {
+  const auto low = [&](int i) { return i <= margin ? -1 : 0; };
   const auto high = [](int i) { return i == kBlockSide - 1 ? 1 : 0; };
   for (int dz = low(n.z); dz <= high(n.z); ++dz)
     for (int dy = low(n.y); dy <= high(n.y); ++dy)
@@ -91,8 +92,14 @@ class Extractor {
     gather_bytes(tree_, options_.plain ? options_.plain->marked.values : none, leaf, 0, view.plain.data());
   }
 
-  bool only_same_level(std::size_t leaf, LocalNode n) const {
-    return all_touched(n, [&](int dir) { return tree_.neighbor_kind(leaf, dir) == NeighborKind::same; });
+  bool is_same_level(std::size_t leaf, int dir) const { return tree_.neighbor_kind(leaf, dir) == NeighborKind::same; }
+  // Whether a cell is cut here, in Kuhn tetrahedra; the others are transition cells.
+  bool is_plain_cell(std::size_t leaf, LocalNode cell) const {
+    return all_touched(cell, 0, [&](int dir) { return is_same_level(leaf, dir); });
+  }
+  // Transition cells know nothing of moved nodes.
+  bool may_move(std::size_t leaf, LocalNode n) const {
+    return all_touched(n, 1, [&](int dir) { return is_same_level(leaf, dir); });
   }
 
   // Runs body(leaf, view) for the listed leaves in parallel, with a view per chunk.
@@ -154,7 +161,7 @@ class Extractor {
     Field<Move> wanted(tree_.size(), kStays);
     for_leaves(owners_, [&](std::size_t, std::uint32_t leaf, const LatticeView& view) {
       for (std::size_t n = 0; n < kBlockNodes; ++n)
-        if (only_same_level(leaf, local_node(n))) wanted.block(leaf)[n] = best_move(view, local_node(n));
+        if (may_move(leaf, local_node(n))) wanted.block(leaf)[n] = best_move(view, local_node(n));
     });
     moves_ = std::move(wanted);
     std::vector<std::uint32_t> check = owners_;
@@ -185,7 +192,7 @@ class Extractor {
     for (const std::uint32_t leaf : owners_)
       for (std::size_t n = 0; n < kBlockNodes; ++n) {
         if (moves_.block(leaf)[n] == kStays) continue;
-        all_touched(local_node(n), [&](int dir) {
+        all_touched(local_node(n), 0, [&](int dir) {
           cut[tree_.neighbor(leaf, dir)] = 1;
           return true;
         });
@@ -305,28 +312,61 @@ class Extractor {
     return false;
   }
 
+  // By direction: the sides (1 inside, 2 outside) of the nodes that finer leaves store on this leaf's upper boundary.
+  // These are its hanging nodes with values of their own; all others are interpolated between corners of cells.
+  std::array<std::uint8_t, kDirections> sides_of_hanging_nodes(std::size_t leaf) const {
+    std::array<std::uint8_t, kDirections> sides{};
+    for (int corner = 1; corner < 8; ++corner) {
+      const std::array<int, 3> d{corner & 1, corner >> 1 & 1, corner >> 2 & 1};
+      const int dir = direction(d[0], d[1], d[2]);
+      if (tree_.neighbor_kind(leaf, dir) != NeighborKind::finer) continue;
+      std::uint8_t seen = 0;
+      for (const std::uint32_t finer : tree_.neighbors(leaf, dir))
+        for (int k = 0; k < (d[2] ? 1 : kBlockSide); ++k)
+          for (int j = 0; j < (d[1] ? 1 : kBlockSide); ++j)
+            for (int i = 0; i < (d[0] ? 1 : kBlockSide); ++i)
+              seen |= set_.phi.block(finer)[node_index(i, j, k)] >= 0 ? 1 : 2;
+      sides[static_cast<std::size_t>(dir)] = seen;
+    }
+    return sides;
+  }
+
+  // Whether the surface may cut a transition cell: its corners, or hanging nodes it may have, are on both sides.
+  static bool may_be_cut(const LatticeView& view, LocalNode cell, const std::array<std::uint8_t, kDirections>& hanging) {
+    if (is_cut(view, cell)) return true;
+    std::uint8_t seen = view.side(cell) == kIn ? 1 : 2;
+    all_touched(cell, 0, [&](int dir) {
+      seen |= hanging[static_cast<std::size_t>(dir)];
+      return true;
+    });
+    return seen == 3;
+  }
+
   void cut_cells() {
     std::vector<std::vector<Facet>> facets(cut_leaves_.size());
     std::vector<std::vector<LatticeNode>> transition(cut_leaves_.size());
     for_leaves(cut_leaves_, [&](std::size_t i, std::uint32_t leaf, const LatticeView& view) {
+      const auto hanging = sides_of_hanging_nodes(leaf);
       for (std::size_t n = 0; n < kBlockNodes; ++n) {
         const LocalNode cell = local_node(n);
-        if (!is_cut(view, cell)) continue;
-        if (only_same_level(leaf, cell))
-          cut_cell(leaf, view, cell, facets[i]);
-        else
+        if (is_plain_cell(leaf, cell)) {
+          if (is_cut(view, cell)) cut_cell(leaf, view, cell, facets[i]);
+        } else if (may_be_cut(view, cell, hanging)) {
           transition[i].push_back(lattice_node(tree_, leaf, cell.x, cell.y, cell.z));
+        }
       }
     });
     std::size_t total = 0;
     for (const auto& part : facets) total += part.size();
     result_.soup.facets.reserve(total);
     for (const auto& part : facets) result_.soup.facets.insert(result_.soup.facets.end(), part.begin(), part.end());
-    for (const auto& part : transition) result_.transition_cells += part.size();
-    if (result_.transition_cells == 0) return;
     for (std::size_t i = 0; i < transition.size(); ++i)
-      for (const LatticeNode& cell : transition[i])
+      for (const LatticeNode& cell : transition[i]) {
+        const std::size_t before = result_.soup.facets.size();
         cut_transition_cell(tree_, set_.phi, cut_leaves_[i], cell, result_.soup);
+        result_.transition_cells += result_.soup.facets.size() > before;
+      }
+    if (result_.transition_cells == 0) return;
     // Both kinds of cells compute the vertices they share alike, so exact coordinates join them.
     result_.soup = weld(std::move(result_.soup));
     result_.origins.clear();

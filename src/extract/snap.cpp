@@ -44,8 +44,14 @@ constexpr std::array<StarTetrahedron, 24> make_star() {
 
 constexpr auto kStar = make_star();
 
+// How far a node was moved, squared. From the values alone, so that every leaf that sees the node gets the same bits:
+// whether a node or its neighbour moved farther must be the same question from both sides.
 double squared_move(const LatticeView& view, LocalNode n) {
-  return squared_norm(view.position(n) - Vec3{static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)});
+  const Move m = view.move[LatticeView::at(n)];
+  if (m == kStays) return 0;
+  const Step s = kEdgeSteps[static_cast<std::size_t>(m % 7)];
+  const double share = m < 7 ? view.crossing(n, m) : 1 - view.crossing(n - s, m - 7);
+  return share * share * (s.x * s.x + s.y * s.y + s.z * s.z);
 }
 
 // The points at which the surface meets the boundary of a node's star, and how they are linked: vertices of a graph

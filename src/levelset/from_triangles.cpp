@@ -82,7 +82,7 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   LevelSet& set = result.level_set;
   set.frame = frame;
   set.band = band;
-  set.grid = grow_uniform_band(lattice_soup, frame.depth, band, progress);
+  set.grid = grow_uniform_band(lattice_soup, frame.depth, band, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
   DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress);
   const TriangleIndex triangles(lattice_soup);
   const Field<std::uint8_t> crossed = crossed_edges(lattice_soup, set.grid, progress);

@@ -89,10 +89,11 @@ Offset newton_closest_point(const double* phi, int i, int j, int k) {
 template <class T>
 class Redistancer {
  public:
-  Redistancer(BasicLevelSet<T>& set, Progress& progress) : set_(set), tree_(set.octree()), progress_(progress) {
+  Redistancer(BasicLevelSet<T>& set, double reach, Progress& progress)
+      : set_(set), tree_(set.octree()), reach_(std::min(reach, set.band)), progress_(progress) {
     slot_.assign(tree_.size(), kNone);
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf)
-      if (set.grid.near_surface(leaf)) {
+      if (tree_.level(leaf) == 0) {
         slot_[leaf] = static_cast<std::uint32_t>(leaves_.size());
         leaves_.push_back(leaf);
       }
@@ -101,7 +102,7 @@ class Redistancer {
 
   void run() {
     project_near_nodes();
-    const int layers = static_cast<int>(std::ceil(set_.band));
+    const int layers = static_cast<int>(std::ceil(reach_));
     for (int layer = 0; layer < layers; ++layer)
       if (!propagate()) break;
     store();
@@ -198,14 +199,13 @@ class Redistancer {
   }
 
   void store() {
-    const double band = set_.band;
     parallel_for(
         leaves_.size(),
         [&](std::size_t slot) {
           T* phi = set_.phi.block(leaves_[slot]);
           for (std::size_t n = 0; n < kBlockNodes; ++n) {
             const Offset& o = offsets_[slot * kBlockNodes + n];
-            const double d = o.known() ? std::min(std::sqrt(squared_length(o.x, o.y, o.z)), band) : band;
+            const double d = o.known() ? std::min(std::sqrt(squared_length(o.x, o.y, o.z)), reach_) : reach_;
             phi[n] = static_cast<T>(phi[n] >= 0 ? d : -d);
           }
         },
@@ -214,6 +214,7 @@ class Redistancer {
 
   BasicLevelSet<T>& set_;
   const Octree& tree_;
+  const double reach_;
   Progress& progress_;
   std::vector<std::uint32_t> leaves_;  // near the surface
   std::vector<std::uint32_t> slot_;    // leaf -> place among them
@@ -223,11 +224,11 @@ class Redistancer {
 }  // namespace
 
 template <class T>
-void redistance(BasicLevelSet<T>& level_set, Progress& progress) {
-  Redistancer<T>(level_set, progress).run();
+void redistance(BasicLevelSet<T>& level_set, double reach, Progress& progress) {
+  Redistancer<T>(level_set, reach, progress).run();
 }
 
-template void redistance(BasicLevelSet<float>&, Progress&);
-template void redistance(BasicLevelSet<double>&, Progress&);
+template void redistance(BasicLevelSet<float>&, double, Progress&);
+template void redistance(BasicLevelSet<double>&, double, Progress&);
 
 }  // namespace burnish

@@ -82,6 +82,25 @@ std::vector<Pair> facets_near_blocks(const TriangleSoup& soup, double band, Prog
   return all;
 }
 
+// The blocks and the 26 around each, within the domain.
+std::vector<std::uint64_t> with_neighbors(const std::vector<std::uint64_t>& blocks, int depth) {
+  const std::int64_t side = std::int64_t{1} << depth;
+  std::vector<std::uint64_t> all;
+  all.reserve(blocks.size() * 27);
+  for (const std::uint64_t m : blocks) {
+    const morton::Position p = morton::deinterleave(m);
+    for (int dir = 0; dir < kDirections; ++dir) {
+      const auto [dx, dy, dz] = offset_of(dir);
+      const std::int64_t x = std::int64_t{p.x} + dx, y = std::int64_t{p.y} + dy, z = std::int64_t{p.z} + dz;
+      if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= side) continue;
+      all.push_back(morton::interleave({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)}));
+    }
+  }
+  parallel_sort(all);
+  all.erase(std::unique(all.begin(), all.end()), all.end());
+  return all;
+}
+
 }  // namespace
 
 bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, double half) {
@@ -106,11 +125,12 @@ bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const V
   return true;
 }
 
-SurfaceOctree grow_uniform_band(const TriangleSoup& lattice_soup, int depth, double band, Progress& progress) {
+SurfaceOctree grow_uniform_band(const TriangleSoup& lattice_soup, int depth, double band, int rings, Progress& progress) {
   const std::vector<Pair> pairs = facets_near_blocks(lattice_soup, band, progress);
   std::vector<std::uint64_t> finest;
   for (const Pair& pair : pairs)
     if (finest.empty() || finest.back() != pair.block) finest.push_back(pair.block);
+  for (int ring = 0; ring < rings; ++ring) finest = with_neighbors(finest, depth);
   SurfaceOctree result;
   result.octree = Octree::build(depth, finest);
   result.first_facet.assign(result.octree.size() + 1, 0);

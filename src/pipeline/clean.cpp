@@ -15,7 +15,7 @@ namespace burnish {
 namespace {
 
 constexpr double kUnsmoothedBand = 3;  // cells of exact distances around the surface
-constexpr double kDomainMargin = 3;    // cells between the band and the walls
+constexpr double kDomainMargin = 11;   // cells between the band and the walls
 
 // One run: the stages write into the report as they go.
 class Run {
@@ -71,10 +71,11 @@ class Run {
     begin("distances and signs");
     const ResolvedOptions& options = report_.options;
     const double smooth_cells = options.smooth / options.cell;
-    const double band = smooth_cells > 0 ? band_for_smoothing(smooth_cells) : kUnsmoothedBand;
-    const GridFrame frame = make_frame(bounding_box(prepared_), options.cell, band + kDomainMargin);
-    // Smoothing and extraction look no farther than the band.
-    LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, {.band = band, .far_field = false}, progress_);
+    // Smoothing and extraction look no farther than the band, so the far field is left out.
+    LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
+    if (smooth_cells > 0) set = {.band = kFlowBand, .room = room_for_smoothing(smooth_cells), .far_field = false};
+    const GridFrame frame = make_frame(bounding_box(prepared_), options.cell, set.band + set.room + kDomainMargin);
+    LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, set, progress_);
     report_.actions.ambiguous_regions = built.ambiguous_regions;
     report_.actions.interior_facets_ignored = built.interior_facets;
     if (built.unresolved_facets > 0)
@@ -87,7 +88,7 @@ class Run {
     report_.grid.blocks = tree.size();
     report_.grid.levels = tree.depth() + 1;
     for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) report_.grid.finest_blocks += tree.level(leaf) == 0;
-    report_.grid.bytes_planned = planned_bytes(prepared_, options.cell, band);
+    report_.grid.bytes_planned = planned_bytes(prepared_, options.cell, set.band + set.room);
   }
 
   void smooth() {

@@ -19,7 +19,7 @@ constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
 
 double band_of(const Length& smooth, double diagonal, double cell) {
   const double length = smooth.in_model_units(diagonal, cell);
-  return length > 0 ? band_for_smoothing(length / cell) : 3;
+  return length > 0 ? kFlowBand + room_for_smoothing(length / cell) : 3;
 }
 
 // The finest cell up to `coarsest` that fits the budget.

@@ -21,6 +21,7 @@ struct LevelSetFromTriangles {
 
 struct LevelSetOptions {
   double band = 3;        // cells of exact distance on both sides of the surface
+  double room = 0;        // cells beyond the band that are finest too, for a surface that will move
   bool far_field = true;  // spread distances to the whole domain; without it |phi| ends at `band`
 };
 

@@ -6,8 +6,8 @@
 
 namespace burnish {
 
-// Replaces phi by the signed distance to the surface phi = 0, clamped to +-band, in all leaves of level 0 that are near
-// the surface. The surface itself stays where it is to third order.
+// Replaces phi by the signed distance to the surface phi = 0, clamped to +-min(band, reach) cells, in all leaves of level
+// 0. The surface itself stays where it is to third order.
 //
 // 1. Nodes of cells that the surface cuts: Newton's method for the closest point on a tricubic interpolant of phi
 //    (Chopp 2001, sec. 2.1; Saye 2014): y <- y - phi g / |g|^2 + (x - y) - ((x - y).g) g / |g|^2 with g = grad phi(y).
@@ -17,6 +17,10 @@ namespace burnish {
 //
 // Same bits for any number of threads.
 template <class T>
-void redistance(BasicLevelSet<T>& level_set, Progress& progress = no_progress());
+void redistance(BasicLevelSet<T>& level_set, double reach, Progress& progress = no_progress());
+template <class T>
+void redistance(BasicLevelSet<T>& level_set, Progress& progress = no_progress()) {
+  redistance(level_set, level_set.band, progress);
+}
 
 }  // namespace burnish

@@ -30,10 +30,11 @@ struct SurfaceOctree {
   std::size_t bytes() const { return octree.bytes() + first_facet.capacity() * 8 + facets.capacity() * 4; }
 };
 
-// A uniform finest band: every block with a point within `band` cells (maximum norm) of a facet is finest.
+// A uniform finest band: every block with a point within `band` cells (maximum norm) of a facet is finest, and so are
+// `rings` layers of blocks around these, in which no facets are listed.
 // `lattice_soup`: coordinates in lattice units, inside the domain of 2^depth blocks by more than `band`.
 // Large facets descend the octree, small ones test their few blocks. Same result for any thread count.
-SurfaceOctree grow_uniform_band(const TriangleSoup& lattice_soup, int depth, double band,
+SurfaceOctree grow_uniform_band(const TriangleSoup& lattice_soup, int depth, double band, int rings = 0,
                                 Progress& progress = no_progress());
 
 }  // namespace burnish

@@ -14,8 +14,7 @@ namespace {
 
 constexpr double kLargestStep = 1.0 / 6;  // in cells squared; explicit Euler is stable up to here
 constexpr int kStepsPerRedistance = 6;
-constexpr double kFrozen = 1.5;           // nodes within this of the band's edge wait for the next redistancing
-constexpr double kMargin = 4;             // cells of band beyond the farthest the surface may go
+constexpr double kActive = 3.5;           // cells around the surface that flow; others wait for the next redistancing
 constexpr double kSteepest = 2;           // largest curvature that a lattice can show, in 1 / cell
 constexpr double kVolumeTolerance = 1e-6;
 
@@ -39,12 +38,12 @@ double curvature_speed(At&& at) {
 template <class T>
 void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress& progress) {
   constexpr int side = kBlockSide + 2;
-  const double active = set.band - kFrozen;
+  const double active = std::min(kActive, set.band - 1.5);
   parallel_ranges(set.octree().size(), 16, [&](std::size_t begin, std::size_t end) {
     progress.check();
     std::array<T, std::size_t{side} * side * side> dense;
     for (std::size_t leaf = begin; leaf < end; ++leaf) {
-      if (!set.grid.near_surface(leaf)) continue;
+      if (set.octree().level(leaf) != 0) continue;
       const T* old = set.phi.block(leaf);
       T* out = next.block(leaf);
       if (std::all_of(old, old + kBlockNodes, [&](T v) { return std::abs(v) >= active; })) {
@@ -81,7 +80,7 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Cons
     euler_step(set, dt, next, progress);
     std::swap(set.phi, next);
     if (step % kStepsPerRedistance == 0 || step == steps) {
-      redistance(set, progress);
+      redistance(set, kFlowBand, progress);
       constrain();
       next = set.phi;
     }
@@ -115,7 +114,7 @@ double flow_time_for(double length) {
   return std::numbers::ln10 * length * length / (4 * std::numbers::pi * std::numbers::pi);
 }
 
-double band_for_smoothing(double length) { return kMargin + 2 * std::sqrt(flow_time_for(length)); }
+double room_for_smoothing(double length) { return 2 * std::sqrt(flow_time_for(length)); }
 
 SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& options, Progress& progress) {
   SmoothingResult result;

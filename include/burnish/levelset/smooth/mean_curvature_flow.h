@@ -16,8 +16,8 @@ struct FlowResult {
 };
 
 // Runs the flow for `time` (in cells squared): central differences of second order on 19 points, explicit Euler steps of
-// at most 1/6 (stable), redistanced every few steps. The surface can move by 2 sqrt(time) cells at most, as far as a
-// sphere of that radius takes to vanish; the level set's band has to be wider by at least 3.
+// at most 1/6 (stable), redistanced every few steps. The surface can move by 2 sqrt(time) cells at most, the
+// radius of a sphere that vanishes in that time; blocks have to be finest that far and kFlowBand beyond.
 template <class T>
 FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress = no_progress());
 
@@ -36,8 +36,10 @@ struct SmoothingResult {
 // Flow time that attenuates a wave of this length tenfold: a wave's amplitude decays with exp(-(2 pi / X)^2 t), so
 // t = ln(10) X^2 / (4 pi^2) = 0.0583 X^2.
 double flow_time_for(double length);
-// Cells by which a surface may move under that flow, plus what the stencils need: the band to ask for.
-double band_for_smoothing(double length);
+// Cells by which a surface may move under that flow: the `room` that its level set needs.
+double room_for_smoothing(double length);
+// Cells around the surface that the flow keeps a distance function: the `band` that its level set needs.
+inline constexpr double kFlowBand = 5;
 
 // Smooths by mean-curvature flow, bounds the deviation after every redistancing, then shifts phi by a constant until the
 // enclosed volume is what it was, to 1e-6 of it (secant method on the extracted surface), unless the bound on the deviation

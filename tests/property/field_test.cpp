@@ -1,0 +1,175 @@
+#include "burnish/octree/field.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <random>
+
+#include "burnish/core/vec.h"
+#include "support/random_octree.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+Vec3 position(const LatticeNode& n) { return {double(n.x), double(n.y), double(n.z)}; }
+
+template <class T, class Function>
+Field<T> field_of(const Octree& tree, Function&& f) {
+  Field<T> field(tree.size(), 0);
+  for (std::size_t leaf = 0; leaf < tree.size(); ++leaf)
+    for (int k = 0; k < kBlockSide; ++k)
+      for (int j = 0; j < kBlockSide; ++j)
+        for (int i = 0; i < kBlockSide; ++i)
+          field.block(leaf)[node_index(i, j, k)] = static_cast<T>(f(position(lattice_node(tree, leaf, i, j, k))));
+  return field;
+}
+
+// Whether interpolation around p (in a leaf of this level) stays clear of the domain's end, where values continue
+// as constants.
+bool far_from_walls(const Octree& tree, const Vec3& p, int level) {
+  const double margin = 4.0 * (1 << level), end = 8.0 * tree.side() - 1;
+  for (int a = 0; a < 3; ++a)
+    if (p[a] < 0 || p[a] + margin > end) return false;
+  return true;
+}
+
+int level_at(const Octree& tree, const Vec3& p) {
+  const auto block = [](double x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
+  return tree.level(tree.find({block(p.x), block(p.y), block(p.z)}));
+}
+
+template <class T>
+class FieldProperty : public testing::Test {};
+using Scalars = testing::Types<float, double>;
+TYPED_TEST_SUITE(FieldProperty, Scalars);
+
+TYPED_TEST(FieldProperty, GatherIsNodeValueBitForBit) {
+  using T = TypeParam;
+  for (unsigned seed = 1; seed <= 24; ++seed) {
+    std::mt19937 random(seed);
+    const int depth = 1 + static_cast<int>(random() % 5), width = 1 + static_cast<int>(seed % 3);
+    SCOPED_TRACE(testing::Message() << "seed " << seed << ", depth " << depth << ", width " << width);
+    const Octree tree = random_octree(random, depth, 4);
+    std::uniform_real_distribution<double> value(-1, 1);
+    const Field<T> field = field_of<T>(tree, [&](const Vec3&) { return value(random); });
+    const int side = kBlockSide + 2 * width;
+    std::vector<T> dense(static_cast<std::size_t>(side * side * side));
+    for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) {
+      gather(tree, field, leaf, width, dense.data());
+      std::size_t n = 0;
+      for (int k = -width; k < kBlockSide + width; ++k)
+        for (int j = -width; j < kBlockSide + width; ++j)
+          for (int i = -width; i < kBlockSide + width; ++i, ++n) {
+            const T expected = static_cast<T>(node_value(tree, field, lattice_node(tree, leaf, i, j, k)));
+            ASSERT_EQ(std::memcmp(&dense[n], &expected, sizeof(T)), 0)
+                << "leaf " << leaf << " node " << i << ' ' << j << ' ' << k << ": " << dense[n] << " against " << expected;
+          }
+    }
+  }
+}
+
+TYPED_TEST(FieldProperty, StoredNodesAreWhatTheyAre) {
+  using T = TypeParam;
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const Octree tree = random_octree(random, 4, 5);
+    std::uniform_real_distribution<double> value(-1, 1);
+    const Field<T> field = field_of<T>(tree, [&](const Vec3&) { return value(random); });
+    for (std::size_t leaf = 0; leaf < tree.size(); ++leaf)
+      for (int n = 0; n < 512; n += 7) {
+        const LatticeNode node = lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64);
+        const double stored = field.block(leaf)[n];
+        ASSERT_EQ(node_value(tree, field, node), stored);
+        ASSERT_EQ(sample(tree, field, node.x, node.y, node.z), stored);
+        // Beyond a wall the wall's value continues.
+        if (node.x == 0) {
+          ASSERT_EQ(node_value(tree, field, {-3, node.y, node.z}), stored);
+        }
+      }
+  }
+}
+
+TYPED_TEST(FieldProperty, LinearFunctionsComeBackAcrossLevelJumps) {
+  using T = TypeParam;
+  const double rounding = std::is_same_v<T, float> ? 1e-4 : 1e-12;  // values up to 500
+  const auto linear = [](const Vec3& p) { return 3 + 0.5 * p.x - 0.75 * p.y + 0.25 * p.z; };
+  std::size_t across = 0;
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const Octree tree = random_octree(random, 5, 3);
+    const Field<T> field = field_of<T>(tree, linear);
+    constexpr int width = 3, side = kBlockSide + 2 * width;
+    std::vector<T> dense(side * side * side);
+    for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) {
+      gather(tree, field, leaf, width, dense.data());
+      std::size_t n = 0;
+      for (int k = -width; k < kBlockSide + width; ++k)
+        for (int j = -width; j < kBlockSide + width; ++j)
+          for (int i = -width; i < kBlockSide + width; ++i, ++n) {
+            const Vec3 p = position(lattice_node(tree, leaf, i, j, k));
+            if (p.x < 0 || p.y < 0 || p.z < 0) continue;
+            const double end = 8.0 * tree.side();
+            if (p.x >= end || p.y >= end || p.z >= end) continue;
+            const int level = level_at(tree, p);
+            if (!far_from_walls(tree, p, level)) continue;
+            across += level > tree.level(leaf);
+            ASSERT_NEAR(dense[n], linear(p), rounding) << "leaf " << leaf << " node " << i << ' ' << j << ' ' << k;
+          }
+    }
+    std::uniform_real_distribution<double> any(0, 8.0 * tree.side());
+    for (int i = 0; i < 2000; ++i) {
+      const Vec3 p{any(random), any(random), any(random)};
+      if (far_from_walls(tree, p, level_at(tree, p))) {
+        ASSERT_NEAR(sample(tree, field, p.x, p.y, p.z), linear(p), 2 * rounding);
+      }
+    }
+  }
+  EXPECT_GT(across, 10'000u) << "the trees have too few level jumps to show anything";
+}
+
+// Points within one cell of a coarser neighbour, where interpolation uses nodes that no leaf stores.
+std::vector<Vec3> points_beside_jumps(const Octree& tree, std::mt19937& random) {
+  std::uniform_real_distribution<double> part(0, 1);
+  std::vector<Vec3> points;
+  for (std::size_t leaf = 0; leaf < tree.size(); ++leaf)
+    for (int axis = 0; axis < 3; ++axis) {
+      const int dir = direction(axis == 0, axis == 1, axis == 2);
+      if (tree.neighbor_kind(leaf, dir) != NeighborKind::coarser) continue;
+      const double size = 1 << tree.level(leaf);
+      for (int i = 0; i < 200; ++i) {
+        Vec3 p = position(lattice_node(tree, leaf, 0, 0, 0));
+        for (int a = 0; a < 3; ++a) p[a] += size * (a == axis ? 7 + part(random) : 8 * part(random));
+        if (far_from_walls(tree, p, tree.level(leaf) + 1)) points.push_back(p);
+      }
+    }
+  return points;
+}
+
+// The lattice stays, the function's wavelength doubles: the same as halving every cell.
+TEST(FieldOrder, SamplesAreSecondOrderAcrossLevelJumps) {
+  std::mt19937 random(3);
+  const Octree tree = random_octree(random, 5, 6);
+  const std::vector<Vec3> points = points_beside_jumps(tree, random);
+  ASSERT_GT(points.size(), 1000u);
+  const auto worst = [&](double wavelength) {
+    const double w = 2 * 3.14159265358979 / wavelength;
+    const auto f = [&](const Vec3& p) { return std::sin(w * p.x + 0.3) * std::cos(w * p.y) + std::sin(w * (p.z + 0.5 * p.x)); };
+    const Field<double> field = field_of<double>(tree, f);
+    double error = 0;
+    for (const Vec3& p : points) error = std::max(error, std::abs(sample(tree, field, p.x, p.y, p.z) - f(p)));
+    return error;
+  };
+  const double coarse = worst(96), middle = worst(192), fine = worst(384);
+  RecordProperty("order_1", std::to_string(std::log2(coarse / middle)));
+  RecordProperty("order_2", std::to_string(std::log2(middle / fine)));
+  EXPECT_GE(std::log2(coarse / middle), 1.9) << coarse << " -> " << middle;
+  EXPECT_GE(std::log2(middle / fine), 1.9) << middle << " -> " << fine;
+}
+
+}  // namespace
+}  // namespace burnish
