@@ -88,8 +88,11 @@ class Extractor {
     gather(tree_, set_.phi, leaf, LatticeView::kWidth, values.data());
     std::copy(values.begin(), values.end(), view.phi.begin());
     gather_bytes(tree_, moves_.values, leaf, kStays, view.move.data());
-    static const std::vector<std::uint8_t> none;
-    gather_bytes(tree_, options_.plain ? options_.plain->marked.values : none, leaf, 0, view.plain.data());
+    gather_bytes(tree_, marked_plain().values, leaf, 0, view.plain.data());
+  }
+  const Field<std::uint8_t>& marked_plain() const {
+    static const Field<std::uint8_t> none;
+    return options_.plain ? options_.plain->marked : none;
   }
 
   bool is_same_level(std::size_t leaf, int dir) const { return tree_.neighbor_kind(leaf, dir) == NeighborKind::same; }
@@ -325,7 +328,7 @@ class Extractor {
         for (int k = 0; k < (d[2] ? 1 : kBlockSide); ++k)
           for (int j = 0; j < (d[1] ? 1 : kBlockSide); ++j)
             for (int i = 0; i < (d[0] ? 1 : kBlockSide); ++i)
-              seen |= set_.phi.block(finer)[node_index(i, j, k)] >= 0 ? 1 : 2;
+              seen |= static_cast<std::uint8_t>(set_.phi.block(finer)[node_index(i, j, k)] >= 0 ? 1 : 2);
       sides[static_cast<std::size_t>(dir)] = seen;
     }
     return sides;
@@ -363,7 +366,7 @@ class Extractor {
     for (std::size_t i = 0; i < transition.size(); ++i)
       for (const LatticeNode& cell : transition[i]) {
         const std::size_t before = result_.soup.facets.size();
-        cut_transition_cell(tree_, set_.phi, cut_leaves_[i], cell, result_.soup);
+        cut_transition_cell(tree_, set_.phi, marked_plain(), cut_leaves_[i], cell, result_.soup);
         result_.transition_cells += result_.soup.facets.size() > before;
       }
     if (result_.transition_cells == 0) return;

@@ -7,43 +7,6 @@ namespace {
 
 constexpr double kLeastVolume = 0.04;  // of a moved tetrahedron, as part of an unmoved one's
 
-constexpr Step negative(Step s) { return {-s.x, -s.y, -s.z}; }
-constexpr Step minus(Step a, Step b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
-
-constexpr int kNeighbors = 14;
-constexpr Step neighbor_step(int k) {
-  return k < 7 ? kEdgeSteps[static_cast<std::size_t>(k)] : negative(kEdgeSteps[static_cast<std::size_t>(k - 7)]);
-}
-
-constexpr int neighbor_number(Step s) {
-  for (int k = 0; k < kNeighbors; ++k) {
-    const Step t = neighbor_step(k);
-    if (t.x == s.x && t.y == s.y && t.z == s.z) return k;
-  }
-  return -1;
-}
-
-// One of the 24 tetrahedra around a node: its corners by neighbour number, positively oriented, -1 the node itself.
-using StarTetrahedron = std::array<int, 4>;
-
-constexpr std::array<StarTetrahedron, 24> make_star() {
-  std::array<StarTetrahedron, 24> star{};
-  std::size_t n = 0;
-  for (const KuhnTetrahedron& t : kKuhn)
-    for (int self = 0; self < 4; ++self) {
-      const auto corner = [&](int i) {
-        const int c = t.corners[static_cast<std::size_t>(i)];
-        return Step{c & 1, c >> 1 & 1, c >> 2 & 1};
-      };
-      for (int i = 0; i < 4; ++i)
-        star[n][static_cast<std::size_t>(i)] = i == self ? -1 : neighbor_number(minus(corner(i), corner(self)));
-      ++n;
-    }
-  return star;
-}
-
-constexpr auto kStar = make_star();
-
 // How far a node was moved, squared. From the values alone, so that every leaf that sees the node gets the same bits:
 // whether a node or its neighbour moved farther must be the same question from both sides.
 double squared_move(const LatticeView& view, LocalNode n) {

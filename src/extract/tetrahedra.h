@@ -38,6 +38,44 @@ inline constexpr std::array<KuhnTetrahedron, 6> kKuhn{{
     {{0, 6, 4, 7}, {0, 4, 6, 7}},
 }};
 
+constexpr Step negative(Step s) { return {-s.x, -s.y, -s.z}; }
+constexpr Step minus(Step a, Step b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+
+// The 14 nodes that share an edge with a node: k < 7 upwards along kEdgeSteps, then downwards.
+inline constexpr int kNeighbors = 14;
+constexpr Step neighbor_step(int k) {
+  return k < 7 ? kEdgeSteps[static_cast<std::size_t>(k)] : negative(kEdgeSteps[static_cast<std::size_t>(k - 7)]);
+}
+
+constexpr int neighbor_number(Step s) {
+  for (int k = 0; k < kNeighbors; ++k) {
+    const Step t = neighbor_step(k);
+    if (t.x == s.x && t.y == s.y && t.z == s.z) return k;
+  }
+  return -1;
+}
+
+// One of the 24 tetrahedra around a node: its corners by neighbour number, positively oriented, -1 the node itself.
+using StarTetrahedron = std::array<int, 4>;
+
+constexpr std::array<StarTetrahedron, 24> make_star() {
+  std::array<StarTetrahedron, 24> star{};
+  std::size_t n = 0;
+  for (const KuhnTetrahedron& t : kKuhn)
+    for (int self = 0; self < 4; ++self) {
+      const auto corner = [&](int i) {
+        const int c = t.corners[static_cast<std::size_t>(i)];
+        return Step{c & 1, c >> 1 & 1, c >> 2 & 1};
+      };
+      for (int i = 0; i < 4; ++i)
+        star[n][static_cast<std::size_t>(i)] = i == self ? -1 : neighbor_number(minus(corner(i), corner(self)));
+      ++n;
+    }
+  return star;
+}
+
+inline constexpr auto kStar = make_star();
+
 // The other corners of vertex i's tetrahedron, so that (i, others...) is an even permutation of 0..3.
 inline constexpr std::array<std::array<int, 3>, 4> kEven{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 

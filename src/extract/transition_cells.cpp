@@ -14,6 +14,7 @@ namespace {
 struct ValuedNode {
   LatticeNode at;
   double phi;
+  bool plain;
 };
 
 bool before(const LatticeNode& a, const LatticeNode& b) { return std::tie(a.x, a.y, a.z) < std::tie(b.x, b.y, b.z); }
@@ -23,9 +24,23 @@ Vec3 to_vec(const LatticeNode& n) { return {static_cast<double>(n.x), static_cas
 // The surface vertex between two nodes: same bits whichever comes first.
 Vec3 crossing_between(const ValuedNode& a, const ValuedNode& b) {
   const ValuedNode &low = before(a.at, b.at) ? a : b, &high = before(a.at, b.at) ? b : a;
-  const double t = std::clamp(low.phi / (low.phi - high.phi), LatticeView::kLeastShare, 1 - LatticeView::kLeastShare);
+  const double zero = low.plain || high.plain ? 0.5 : low.phi / (low.phi - high.phi);
+  const double t = std::clamp(zero, LatticeView::kLeastShare, 1 - LatticeView::kLeastShare);
   const Vec3 p = to_vec(low.at), q = to_vec(high.at);
   return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z + t * (q.z - p.z)};
+}
+
+// Whether a node of the domain is stored, and marked.
+bool is_marked(const Octree& tree, const Field<std::uint8_t>& marked, const LatticeNode& n) {
+  const auto side = static_cast<std::int32_t>(tree.side()) * kBlockSide;
+  if (marked.values.empty() || n.x >= side || n.y >= side || n.z >= side) return false;
+  const auto block = [](std::int32_t x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
+  const std::uint32_t leaf = tree.find({block(n.x), block(n.y), block(n.z)});
+  const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);
+  const int level = tree.level(leaf);
+  const std::array<std::int32_t, 3> at{n.x - first.x, n.y - first.y, n.z - first.z};
+  if ((at[0] | at[1] | at[2]) & ((1 << level) - 1)) return false;
+  return marked.block(leaf)[node_index(at[0] >> level, at[1] >> level, at[2] >> level)] != 0;
 }
 
 // One cell of a leaf with its 27 possible nodes: corners, edge middles, face centres, centre. Node (i, j, k), each 0..2,
@@ -33,8 +48,8 @@ Vec3 crossing_between(const ValuedNode& a, const ValuedNode& b) {
 template <class T>
 class TransitionCell {
  public:
-  TransitionCell(const Octree& tree, const Field<T>& phi, std::size_t leaf, LatticeNode cell)
-      : tree_(tree), phi_(phi), leaf_(leaf), cell_(cell), size_(1 << tree.level(leaf)) {
+  TransitionCell(const Octree& tree, const Field<T>& phi, const Field<std::uint8_t>& plain, std::size_t leaf, LatticeNode cell)
+      : tree_(tree), phi_(phi), plain_(plain), leaf_(leaf), cell_(cell), size_(1 << tree.level(leaf)) {
     const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);
     local_ = {(cell.x - first.x) / size_, (cell.y - first.y) / size_, (cell.z - first.z) / size_};
   }
@@ -95,7 +110,7 @@ class TransitionCell {
   // A node that some leaf stores, or that is interpolated as every reader does.
   ValuedNode node(int i, int j, int k) const {
     const LatticeNode at = lattice(i, j, k);
-    return {at, static_cast<double>(static_cast<T>(node_value(tree_, phi_, at)))};
+    return {at, static_cast<double>(static_cast<T>(node_value(tree_, phi_, at))), is_marked(tree_, plain_, at)};
   }
   // A node of the fan: the middle of the box between two nodes, with the mean of its corners' values.
   ValuedNode mean_of_corners(std::array<int, 3> low, std::array<int, 3> high) const {
@@ -104,7 +119,8 @@ class TransitionCell {
     for (int k = low[2]; k <= high[2]; k += 2)
       for (int j = low[1]; j <= high[1]; j += 2)
         for (int i = low[0]; i <= high[0]; i += 2, ++count) sum += node(i, j, k).phi;
-    return {lattice((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2), sum / count};
+    return {lattice((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2), sum / count,
+            false};
   }
 
   void cut_face(int axis, int end, const ValuedNode& apex, TriangleSoup& soup) const {
@@ -168,6 +184,7 @@ class TransitionCell {
 
   const Octree& tree_;
   const Field<T>& phi_;
+  const Field<std::uint8_t>& plain_;
   const std::size_t leaf_;
   const LatticeNode cell_;
   const int size_;
@@ -177,11 +194,14 @@ class TransitionCell {
 }  // namespace
 
 template <class T>
-void cut_transition_cell(const Octree& tree, const Field<T>& phi, std::size_t leaf, LatticeNode cell, TriangleSoup& soup) {
-  TransitionCell<T>(tree, phi, leaf, cell).cut(soup);
+void cut_transition_cell(const Octree& tree, const Field<T>& phi, const Field<std::uint8_t>& plain, std::size_t leaf,
+                         LatticeNode cell, TriangleSoup& soup) {
+  TransitionCell<T>(tree, phi, plain, leaf, cell).cut(soup);
 }
 
-template void cut_transition_cell(const Octree&, const Field<float>&, std::size_t, LatticeNode, TriangleSoup&);
-template void cut_transition_cell(const Octree&, const Field<double>&, std::size_t, LatticeNode, TriangleSoup&);
+template void cut_transition_cell(const Octree&, const Field<float>&, const Field<std::uint8_t>&, std::size_t, LatticeNode,
+                                  TriangleSoup&);
+template void cut_transition_cell(const Octree&, const Field<double>&, const Field<std::uint8_t>&, std::size_t, LatticeNode,
+                                  TriangleSoup&);
 
 }  // namespace burnish::detail

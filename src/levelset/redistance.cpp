@@ -155,22 +155,58 @@ class Redistancer {
     }
   }
 
-  // Gives unknown nodes beside known ones the best of their neighbours' closest points. Returns whether any was left to do.
+  // Whether some, and whether all of a leaf's nodes are known.
+  struct Coverage {
+    bool some = false, all = false;
+  };
+
+  std::vector<Coverage> coverage() const {
+    std::vector<Coverage> result(leaves_.size());
+    parallel_for(
+        leaves_.size(),
+        [&](std::size_t slot) {
+          const Offset* own = &offsets_[slot * kBlockNodes];
+          const auto known = static_cast<std::size_t>(std::count_if(own, own + kBlockNodes, [](const Offset& o) { return o.known(); }));
+          result[slot] = {known > 0, known == kBlockNodes};
+        },
+        64);
+    return result;
+  }
+
+  // Leaves with unknown nodes that have known ones in themselves or beside them.
+  std::vector<std::uint32_t> growing_leaves() const {
+    const std::vector<Coverage> cover = coverage();
+    std::vector<std::uint32_t> growing;
+    for (std::uint32_t slot = 0; slot < leaves_.size(); ++slot) {
+      if (cover[slot].all) continue;
+      bool reached = cover[slot].some;
+      for (int dir = 0; dir < kDirections && !reached; ++dir) {
+        if (tree_.neighbor_kind(leaves_[slot], dir) != NeighborKind::same) continue;
+        const std::uint32_t other = slot_[tree_.neighbor(leaves_[slot], dir)];
+        reached = other != kNone && cover[other].some;
+      }
+      if (reached) growing.push_back(slot);
+    }
+    return growing;
+  }
+
+  // Gives unknown nodes beside known ones the best of their neighbours' closest points. Returns whether any changed.
   bool propagate() {
-    std::vector<Offset> next = offsets_;
-    std::vector<char> changed(leaves_.size(), 0);
-    parallel_ranges(leaves_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+    const std::vector<std::uint32_t> growing = growing_leaves();
+    std::vector<std::array<Offset, kBlockNodes>> next(growing.size());
+    std::vector<char> changed(growing.size(), 0);
+    parallel_ranges(growing.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
       constexpr int side = kBlockSide + 2;
       std::array<Offset, std::size_t{side} * side * side> dense;
-      for (std::size_t slot = begin; slot < end; ++slot) {
-        const Offset* own = &offsets_[slot * kBlockNodes];
-        if (std::all_of(own, own + kBlockNodes, [](const Offset& o) { return o.known(); })) continue;
-        gather_offsets(slot, dense.data());
-        changed[slot] = propagate_block(dense.data(), &next[slot * kBlockNodes]);
+      for (std::size_t g = begin; g < end; ++g) {
+        gather_offsets(growing[g], dense.data());
+        std::copy_n(&offsets_[growing[g] * kBlockNodes], kBlockNodes, next[g].begin());
+        changed[g] = propagate_block(dense.data(), next[g].data());
       }
     });
-    offsets_.swap(next);
+    parallel_for(
+        growing.size(), [&](std::size_t g) { std::copy(next[g].begin(), next[g].end(), &offsets_[growing[g] * kBlockNodes]); }, 64);
     return std::any_of(changed.begin(), changed.end(), [](char c) { return c != 0; });
   }
 
