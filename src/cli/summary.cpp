@@ -99,7 +99,7 @@ std::string actions_details(const RepairActions& a) {
   line("open loops capped", a.open_loops_capped);
   line("ambiguous regions", a.ambiguous_regions);
   line("interior facets ignored", a.interior_facets_ignored);
-  line("islands dropped", a.islands_dropped);
+  line("components lost", a.components_lost);
   return text.empty() ? text : "\n" + text;
 }
 

@@ -21,7 +21,7 @@ NodeRange columns(double low, double high) {
           static_cast<int>(std::floor(std::min(high + kTouching, kBlockSide - 1.0))) + 1};
 }
 
-// One facet seen along one axis of a block; coordinates relative to the block's corner.
+// One facet seen along one axis of a block; coordinates relative to the block's corner. [T-SIGN-1]
 class AxisView {
  public:
   AxisView(const std::array<Vec3, 3>& v, int axis) : v_(v), axis_(axis), u_((axis + 1) % 3), w_((axis + 2) % 3) {

@@ -102,7 +102,7 @@ class BlockScatter {
         for (int j = ry.begin; j < ry.end; ++j) {
           const double dy = distance_to_range(j, item.low.y, item.high.y);
           const std::size_t row = static_cast<std::size_t>(j + kBlockSide * k);
-          if (dx * dx + dy * dy + dz * dz >= row_max_[row]) continue;
+          if (dx * dx + dy * dy + dz * dz >= row_max_[row]) continue;  // [T-DIST-3]
           double* squared = squared_.data() + row * kBlockSide;
           detail::update_row(item.triangle, item.facet, j, k, squared, id_.data() + row * kBlockSide);
           row_max_[row] = *std::max_element(squared, squared + kBlockSide);

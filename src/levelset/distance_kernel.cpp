@@ -13,8 +13,8 @@
 namespace burnish::detail {
 namespace {
 
-// Slivers below this sine of the smallest angle have no reliable plane; their edges serve.
-constexpr double kFlat = 1e-20;
+// Slivers whose height over their longest side is below the root of this have no reliable plane; their edges serve.
+constexpr double kFlat = 1e-22;
 
 // Eight doubles in vector registers of whatever width the processor has (GCC's and Clang's vector extension: loops of
 // eight are unrolled before they are vectorised).
@@ -25,6 +25,10 @@ double inverse_or_zero(double v) { return v > 0 ? 1 / v : 0; }
 }  // namespace
 
 PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double ab2 = squared_norm(b - a), bc2 = squared_norm(c - b), ca2 = squared_norm(a - c);
+  // The longest edge is to be ca: see `height` below.
+  if (ab2 > ca2 && ab2 >= bc2) return prepare(b, c, a);
+  if (bc2 > ca2) return prepare(c, a, b);
   PreparedTriangle t{};
   t.a = a;
   t.b = b;
@@ -32,13 +36,13 @@ PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c) {
   t.ab = b - a;
   t.bc = c - b;
   t.ca = a - c;
-  t.inverse_ab = inverse_or_zero(squared_norm(t.ab));
-  t.inverse_bc = inverse_or_zero(squared_norm(t.bc));
-  t.inverse_ca = inverse_or_zero(squared_norm(t.ca));
+  t.inverse_ab = inverse_or_zero(ab2);
+  t.inverse_bc = inverse_or_zero(bc2);
+  t.inverse_ca = inverse_or_zero(ca2);
   t.n = cross(t.ab, c - a);
   const double n2 = squared_norm(t.n);
   const double longest2 = std::max({squared_norm(t.ab), squared_norm(t.bc), squared_norm(t.ca)});
-  t.inverse_n = n2 > kFlat * longest2 * longest2 ? 1 / n2 : 0;
+  t.inverse_n = n2 > kFlat * longest2 * longest2 ? 1 / n2 : 0;  // [T-DIST-2]
   t.n_ab = cross(t.n, t.ab);
   t.n_bc = cross(t.n, t.bc);
   t.n_ca = cross(t.n, t.ca);
@@ -53,7 +57,7 @@ void update_row(const PreparedTriangle& t, double facet, double y, double z, dou
   const Row ax = px - t.a.x, bx = px - t.b.x, cx = px - t.c.x;
   const double ay = y - t.a.y, az = z - t.a.z, by = y - t.b.y, bz = z - t.b.z, cy = y - t.c.y, cz = z - t.c.z;
 
-  // The closest point of each edge, by its parameter clamped to [0, 1].
+  // The closest point of each edge, by its parameter clamped to [0, 1]. [T-DIST-1]
   Row s = (ax * t.ab.x + (ay * t.ab.y + az * t.ab.z)) * t.inverse_ab;
   s = s < kZeros ? kZeros : s;
   s = s > kOnes ? kOnes : s;
@@ -81,7 +85,9 @@ void update_row(const PreparedTriangle& t, double facet, double y, double z, dou
     const Row in_ca = cx * t.n_ca.x + (cy * t.n_ca.y + cz * t.n_ca.z);
     Row inside = in_ab < in_bc ? in_ab : in_bc;
     inside = in_ca < inside ? in_ca : inside;
-    const Row height = ax * t.n.x + (ay * t.n.y + az * t.n.z);
+    // Measured from the closest point of the longest edge: nothing inside a sliver is far from it, so that the error of
+    // a sliver's normal does no harm.
+    const Row height = u * t.n.x + (v * t.n.y + w * t.n.z);
     best = inside >= kZeros ? height * height * t.inverse_n : best;
   }
   Row old, ids;

@@ -36,6 +36,7 @@ void thin_out(std::vector<std::uint32_t>& candidates) {
   candidates.resize(kMostCandidates);
 }
 
+// [T-FAR-1]
 class FarField {
  public:
   FarField(const TriangleSoup& soup, const SurfaceOctree& grid, DistanceField& field, Progress& progress)

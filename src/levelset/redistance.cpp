@@ -64,7 +64,7 @@ Offset closest_edge_crossing(const double* phi, int i, int j, int k) {
   return best;
 }
 
-// Newton's method for the closest point; unknown if it leaves the reach or does not settle.
+// Newton's method for the closest point; unknown if it leaves the reach or does not settle. [T-REDIST-1]
 Offset newton_closest_point(const double* phi, int i, int j, int k) {
   const Vec3 x{static_cast<double>(i + kWidth), static_cast<double>(j + kWidth), static_cast<double>(k + kWidth)};
   Vec3 y = x;
@@ -191,6 +191,7 @@ class Redistancer {
   }
 
   // Gives unknown nodes beside known ones the best of their neighbours' closest points. Returns whether any changed.
+  // [T-REDIST-3]
   bool propagate() {
     const std::vector<std::uint32_t> growing = growing_leaves();
     std::vector<std::array<Offset, kBlockNodes>> next(growing.size());

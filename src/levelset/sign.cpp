@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burnish/core/parallel.h"
+#include "burnish/core/union_find.h"
 
 namespace burnish {
 namespace {
@@ -70,25 +71,6 @@ Pieces label_pieces(const SurfaceOctree& grid, const Field<std::uint8_t>& crosse
   return pieces;
 }
 
-class UnionFind {
- public:
-  explicit UnionFind(std::size_t n) : parent_(n) {
-    for (std::size_t i = 0; i < n; ++i) parent_[i] = static_cast<std::uint32_t>(i);
-  }
-  std::uint32_t find(std::uint32_t i) {
-    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
-    return i;
-  }
-  void join(std::uint32_t i, std::uint32_t j) {
-    i = find(i);
-    j = find(j);
-    if (i != j) parent_[std::max(i, j)] = std::min(i, j);
-  }
-
- private:
-  std::vector<std::uint32_t> parent_;
-};
-
 // The block's node number of point (a, b) on the face of an axis at `depth`.
 std::size_t face_node(int axis, int depth, int a, int b) {
   std::array<int, 3> at{};
@@ -103,7 +85,7 @@ std::size_t face_node(int axis, int depth, int a, int b) {
 void join_across_faces(const SurfaceOctree& grid, const Field<std::uint8_t>& crossed, const Pieces& pieces, UnionFind& forest) {
   const Octree& tree = grid.octree;
   const auto join = [&](std::uint64_t p, std::uint64_t q) {
-    forest.join(static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q));
+    forest.unite(static_cast<std::uint32_t>(p), static_cast<std::uint32_t>(q));
   };
   for (std::size_t leaf = 0; leaf < tree.size(); ++leaf)
     for (int axis = 0; axis < 3; ++axis)

@@ -13,7 +13,7 @@ struct ValueAndGradient {
   Vec3 gradient;
 };
 
-// Weights of the cubic Lagrange polynomial through nodes -1, 0, 1, 2 at t in [0, 1], and their derivatives.
+// Weights of the cubic Lagrange polynomial through nodes -1, 0, 1, 2 at t in [0, 1], and their derivatives. [T-REDIST-2]
 struct CubicWeights {
   std::array<double, 4> value, slope;
 

@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kSide = kBlockSide + 2;
 
-// Corners x + 2 y + 4 z of the six Kuhn tetrahedra along the cell's diagonal.
+// Corners x + 2 y + 4 z of the six Kuhn tetrahedra along the cell's diagonal. [T-VOL-1]
 constexpr std::array<std::array<int, 4>, 6> kKuhnPaths{
     {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
 
@@ -58,7 +58,7 @@ double positive_fraction(double a, double b, double c, double d) {
   if (v[1] < 0) return part(v[0], v[1]) * part(v[0], v[2]) * part(v[0], v[3]);
   if (v[2] >= 0) return 1 - part(v[3], v[0]) * part(v[3], v[1]) * part(v[3], v[2]);
   const double p = part(v[0], v[2]), q = part(v[0], v[3]), r = part(v[1], v[2]), s = part(v[1], v[3]);
-  return p * q + p * s * (1 - q) + (1 - p) * r * s;
+  return p * q + p * s * (1 - q) + (1 - p) * r * s;  // [T-VOL-2]
 }
 
 template <class T>

@@ -79,7 +79,7 @@ double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
     ends[a] = {at[a] - rest, at[a] - rest + (rest ? mask + 1 : 0)};
     t[a] = static_cast<double>(rest) / (mask + 1);
   }
-  const auto corner_value = [&](int x, int y, int z) {
+  const auto corner_value = [&](int x, int y, int z) {  // [T-HALO-1]
     return node_value(tree, field, {ends[0][static_cast<std::size_t>(x)], ends[1][static_cast<std::size_t>(y)],
                                     ends[2][static_cast<std::size_t>(z)]});
   };

@@ -7,7 +7,7 @@
 namespace burnish {
 namespace {
 
-// Parts of a cell by which the lattice is moved off the box' corner.
+// Parts of a cell by which the lattice is moved off the box' corner. [T-FRAME-1]
 constexpr Vec3 kOffset{0.371029, 0.412937, 0.297183};
 
 }  // namespace

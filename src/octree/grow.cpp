@@ -103,7 +103,7 @@ std::vector<std::uint64_t> with_neighbors(const std::vector<std::uint64_t>& bloc
 
 }  // namespace
 
-bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, double half) {
+bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, double half) {  // [T-OCT-3]
   const std::array<Vec3, 3> v{a - center, b - center, c - center};
   for (int axis = 0; axis < 3; ++axis) {
     if (std::min({v[0][axis], v[1][axis], v[2][axis]}) > half) return false;

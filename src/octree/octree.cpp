@@ -37,7 +37,7 @@ std::vector<std::uint64_t> parents_of_neighborhood(const std::vector<std::uint64
   return parents;
 }
 
-// refined[l]: the octants of level l that have children, sorted; refined[0] is empty.
+// refined[l]: the octants of level l that have children, sorted; refined[0] is empty. [T-OCT-2]
 std::vector<std::vector<std::uint64_t>> refined_octants(int depth, std::vector<std::uint64_t> finest) {
   std::vector<std::vector<std::uint64_t>> refined(static_cast<std::size_t>(depth) + 1);
   if (depth == 0) return refined;
@@ -128,7 +128,7 @@ std::uint64_t Octree::link_of(std::size_t leaf, int dir) {
     finer_.push_back(find_key(morton::key(m << 3 | child, l - 1)));
     ++count;
   }
-  return packed(NeighborKind::finer, count << 32 << 0 | first);
+  return packed(NeighborKind::finer, count << 32 | first);
 }
 
 void Octree::link() {

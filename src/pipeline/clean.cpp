@@ -118,7 +118,23 @@ class Run {
     begin("measuring");
     report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
     progress_.check();
-    report_.deviation.input_to_output = one_sided_distance(input_, TriangleIndex(result_));
+    const TriangleIndex result_index(result_);
+    report_.deviation.input_to_output = one_sided_distance(input_, result_index);
+    report_losses(result_index);
+  }
+
+  // Nothing is lost silently: names the components of the input that are gone.
+  void report_losses(const TriangleIndex& result_index) {
+    const double tolerance = 2 * report_.options.cell + 0.5 * report_.options.smooth;
+    const MissingComponents missing = missing_components(input_, result_index, tolerance);
+    report_.actions.components_lost = missing.count;
+    report_.actions.area_lost = missing.area;
+    if (missing.count == 0) return;
+    const Vec3& at = missing.largest_at;
+    report_.warnings.push_back(fmt::format(
+        "{} of the input's components ({:.3g} of area) are not in the result, being thinner than a cell or smaller than the smoothing "
+        "length; the largest is at ({:.6g}, {:.6g}, {:.6g})",
+        missing.count, missing.area, at.x, at.y, at.z));
   }
 
   void publish(CleanedOutput& output) {

@@ -18,7 +18,7 @@ constexpr double kLeastAreaBudget = 3e8;  // steps of dynamic programming over a
 constexpr std::size_t kMaxRings = 12;
 constexpr int kRelaxations = 200;
 
-// Directed edges that the caps have to run, as (from, to), sorted: the chain's boundary, reversed.
+// Directed edges that the caps have to run, as (from, to), sorted: the chain's boundary, reversed. [T-CHAIN-1]
 std::vector<Edge> missing_edges(const TriangleSoup& soup) {
   const EdgeTable table(soup);
   std::vector<Edge> missing;
@@ -69,7 +69,7 @@ std::vector<Loop> split_into_loops(const std::vector<Edge>& edges) {
 
 double triangle_area(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * norm(cross(b - a, c - a)); }
 
-// Klincsek's dynamic programme: best[i][j] is the least area of a triangulation of points i..j.
+// Klincsek's dynamic programme: best[i][j] is the least area of a triangulation of points i..j. [T-CAP-1]
 void least_area_cap(const Loop& loop, TriangleSoup& soup) {
   const std::size_t n = loop.size();
   std::vector<double> best(n * n, 0.0);
@@ -141,7 +141,7 @@ class Membrane {
  private:
   Vec3& at(std::size_t r, std::size_t i) { return points_[(r - 1) * n_ + i]; }
 
-  // One Gauss-Seidel pass of Laplace's equation in polar coordinates.
+  // One Gauss-Seidel pass of Laplace's equation in polar coordinates. [T-CAP-2]
   void relax() {
     const double turn = 2 * std::numbers::pi / static_cast<double>(n_);
     for (std::size_t r = rings_ - 1; r >= 1; --r) {

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 #include "burnish/core/parallel.h"
+#include "burnish/core/union_find.h"
 #include "burnish/surface/triangle_index.h"
 
 namespace burnish {
@@ -38,7 +40,7 @@ std::vector<double> cumulative_areas(const TriangleSoup& soup) {
 
 double fraction(double x) { return x - std::floor(x); }
 
-// Point number i of a low-discrepancy sequence on facet f: the R2 sequence (Roberts 2018), folded.
+// Point number i of a low-discrepancy sequence on facet f: the R2 sequence (Roberts 2018), folded. [T-COMP-1]
 Vec3 point_on_facet(const TriangleSoup& soup, std::size_t f, std::size_t i) {
   double u = fraction(0.5 + 0.7548776662466927 * static_cast<double>(i));
   double v = fraction(0.5 + 0.5698402909980532 * static_cast<double>(i));
@@ -87,6 +89,41 @@ OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleInde
   }
   result.samples = by_area.count + by_vertex.count;
   return result;
+}
+
+MissingComponents missing_components(const TriangleSoup& welded, const TriangleIndex& other, double tolerance) {
+  UnionFind forest(welded.points.size());
+  for (const Facet& f : welded.facets) {
+    forest.unite(f[0], f[1]);
+    forest.unite(f[1], f[2]);
+  }
+  std::vector<double> area_of(welded.points.size(), 0.0);
+  std::vector<std::uint32_t> size_of(welded.points.size(), 0);
+  for (std::size_t f = 0; f < welded.facets.size(); ++f)
+    area_of[forest.find(welded.facets[f][0])] += 0.5 * norm(facet_normal_2a(welded, f));
+  for (std::uint32_t p = 0; p < welded.points.size(); ++p) ++size_of[forest.find(p)];
+
+  constexpr std::uint32_t kLookedAt = 64;
+  std::vector<char> found(welded.points.size(), 0);
+  std::vector<std::uint32_t> seen(welded.points.size(), 0);
+  for (std::uint32_t p = 0; p < welded.points.size(); ++p) {
+    const std::uint32_t root = forest.find(p);
+    const bool picked = seen[root]++ % std::max(1u, size_of[root] / kLookedAt) == 0;
+    if (!picked || found[root]) continue;
+    found[root] = other.closest(welded.points[p], tolerance * tolerance).facet != 0xffffffffu;
+  }
+  MissingComponents missing;
+  double largest = -1;
+  for (std::uint32_t p = 0; p < welded.points.size(); ++p) {
+    if (!forest.is_representative(p) || found[p] || area_of[p] <= 0) continue;
+    ++missing.count;
+    missing.area += area_of[p];
+    if (area_of[p] > largest) {
+      largest = area_of[p];
+      missing.largest_at = welded.points[p];
+    }
+  }
+  return missing;
 }
 
 }  // namespace burnish

@@ -4,7 +4,7 @@
 
 #include "burnish/surface/edge_table.h"
 #include "facet_kinds.h"
-#include "union_find.h"
+#include "burnish/core/union_find.h"
 
 namespace burnish {
 namespace {

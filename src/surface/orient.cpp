@@ -59,7 +59,7 @@ class ParityForest {
   std::vector<char> flipped_;
 };
 
-// Which facets to turn so that patches agree inside, and the patch of every facet.
+// Which facets to turn so that patches agree inside, and the patch of every facet. [T-ORI-1]
 struct Patches {
   std::vector<std::uint32_t> of_facet;  // dense patch numbers
   std::vector<char> turned;
@@ -94,7 +94,7 @@ Patches consistent_patches(const TriangleSoup& soup) {
   return patches;
 }
 
-// What the rays along one axis see first and last.
+// What the rays along one axis see first and last. [T-ORI-2]
 struct View {
   struct Hit {
     double depth;

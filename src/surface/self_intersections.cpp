@@ -57,7 +57,7 @@ Candidate make_candidate(const TriangleSoup& soup, const Facet& f, const Facet& 
 
 // True if the dot products of `direction` show for certain that the triangles are apart, but for the first
 // `c.shared` points. The direction itself need not be accurate. With differences, products and sums each
-// rounded once, a dot product is off by less than 12 * 2^-53 of the product of the max norms.
+// rounded once, a dot product is off by less than 12 * 2^-53 of the product of the max norms. [T-SELF-1]
 bool separated_along(const Vec3& direction, const Candidate& c) {
   const double length = max_norm(direction);
   double low = std::numeric_limits<double>::infinity();
@@ -103,7 +103,7 @@ bool facets_at_point_meet(const Candidate& c) {
 }
 
 // An edge shared: the facets meet elsewhere only if they are folded flat onto each other. If they are, the
-// product below is positive; it is off by less than 100 * 2^-53 of the product of the max norms.
+// product below is positive; it is off by less than 100 * 2^-53 of the product of the max norms. [T-SELF-2]
 bool facets_at_edge_meet(const Candidate& c) {
   const Vec3 e = c.a[1] - c.a[0];
   const Vec3 u = c.a[2] - c.a[0];

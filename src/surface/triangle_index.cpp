@@ -10,6 +10,8 @@ namespace burnish {
 namespace {
 
 constexpr std::uint32_t kLeafFacets = 4;
+// Slivers whose height over their longest side is below the root of this have no reliable plane; their edges serve.
+constexpr double kFlat = 1e-22;
 
 Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 ab = b - a;
@@ -29,7 +31,18 @@ Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, cons
   const Vec3 n = cross(b - a, c - a);
   const double n2 = squared_norm(n);
   const auto inside_edge = [&](const Vec3& u, const Vec3& v) { return dot(cross(v - u, p - u), n) >= 0; };
-  if (n2 > 0 && inside_edge(a, b) && inside_edge(b, c) && inside_edge(c, a)) return p - n * (dot(p - a, n) / n2);
+  if (n2 > 0 && inside_edge(a, b) && inside_edge(b, c) && inside_edge(c, a)) {
+    const double ab2 = squared_norm(b - a), bc2 = squared_norm(c - b), ca2 = squared_norm(a - c);
+    const double longest2 = std::max({ab2, bc2, ca2});
+    if (n2 > kFlat * longest2 * longest2) {
+      // The height is measured from the longest edge: nothing inside a sliver is far from it, so that the error of a
+      // sliver's normal does no harm.
+      const Vec3 q = ab2 == longest2   ? closest_point_on_segment(p, a, b)
+                     : bc2 == longest2 ? closest_point_on_segment(p, b, c)
+                                       : closest_point_on_segment(p, c, a);
+      return p - n * (dot(p - q, n) / n2);
+    }
+  }
   Vec3 best = closest_point_on_segment(p, a, b);
   for (const Vec3& q : {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a)})
     if (squared_norm(q - p) < squared_norm(best - p)) best = q;
@@ -39,7 +52,7 @@ Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, cons
 double solid_angle_fraction(const Vec3& p, const Vec3& pa, const Vec3& pb, const Vec3& pc) {
   const Vec3 a = pa - p, b = pb - p, c = pc - p;
   const double la = norm(a), lb = norm(b), lc = norm(c);
-  const double numerator = dot(a, cross(b, c));
+  const double numerator = dot(a, cross(b, c));  // [T-WIND-1]
   const double denominator = la * lb * lc + dot(a, b) * lc + dot(b, c) * la + dot(c, a) * lb;
   if (numerator == 0) return 0;
   return std::atan2(numerator, denominator) / (2 * std::numbers::pi);
@@ -199,12 +212,12 @@ double TriangleIndex::winding_number(const Vec3& p) const {
     const Moments& m = moments_[i];
     const Vec3 r = m.center - p;
     const double r2 = squared_norm(r);
-    if (r2 > m.radius_squared) {
+    if (r2 > m.radius_squared) {  // [T-WIND-3]
       const double inverse = 1 / (r2 * std::sqrt(r2));
       const Vec3 mr{m.first[0] * r.x + m.first[3] * r.y + m.first[6] * r.z,
                     m.first[1] * r.x + m.first[4] * r.y + m.first[7] * r.z,
                     m.first[2] * r.x + m.first[5] * r.y + m.first[8] * r.z};
-      const double trace = m.first[0] + m.first[4] + m.first[8];
+      const double trace = m.first[0] + m.first[4] + m.first[8];  // [T-WIND-2]
       w += (dot(r, m.area_normal) + trace - 3 * dot(mr, r) / r2) * inverse / (4 * std::numbers::pi);
       continue;
     }

@@ -17,7 +17,7 @@ namespace {
 // Facets whose corners are hashed ahead, so that their cache misses overlap.
 constexpr std::size_t kAhead = 16;
 
-// Replaces each index of `facets` by that of the welded point and returns the welded points.
+// Replaces each index of `facets` by that of the welded point and returns the welded points. [T-WELD-1]
 std::vector<Vec3> weld_in_place(const std::vector<Vec3>& points, std::vector<Facet>& facets) {
   // A closed surface has half as many points as facets; others make the table grow once or twice.
   PointTable table(std::min(points.size(), facets.size() / 2 + 16));
@@ -38,7 +38,7 @@ std::vector<Vec3> weld_in_place(const std::vector<Vec3>& points, std::vector<Fac
   return table.take_points();
 }
 
-// Points of open edges, each to be joined to an earlier one nearby (its leader) or to lead itself.
+// Points of open edges, each to be joined to an earlier one nearby (its leader) or to lead itself. [T-WELD-2]
 class BoundaryJoiner {
  public:
   BoundaryJoiner(const TriangleSoup& soup, double tolerance)

@@ -1,6 +1,6 @@
 // LevelSet: a signed distance field on the octree.
 //
-// Convention (the thesis', eq. 2.1): phi > 0 inside, phi < 0 outside, phi = 0 on the surface. Values are in
+// Convention [T-CONV-1] (the thesis', eq. 2.1): phi > 0 inside, phi < 0 outside, phi = 0 on the surface. Values are in
 // cells of the finest level, coordinates in lattice units; `frame` maps both to the model.
 #pragma once
 

@@ -15,7 +15,7 @@ struct GridFrame {
   double cell = 1;  // side of the finest cell in model units
   int depth = 0;    // 2^depth finest blocks along each side of the domain
 
-  Vec3 to_lattice(const Vec3& p) const { return (p - origin) / cell; }
+  Vec3 to_lattice(const Vec3& p) const { return (p - origin) / cell; }  // [T-CONV-2]
   Vec3 to_model(const Vec3& q) const { return origin + q * cell; }
   // Lattice nodes along a side.
   double lattice_side() const { return static_cast<double>(kBlockSide) * static_cast<double>(1u << depth); }

@@ -49,7 +49,7 @@ constexpr std::uint64_t interleave(const Position& p) {
 }
 constexpr Position deinterleave(std::uint64_t m) { return {compact(m), compact(m >> 1), compact(m >> 2)}; }
 
-constexpr std::uint64_t key(std::uint64_t interleaved, int level) {
+constexpr std::uint64_t key(std::uint64_t interleaved, int level) {  // [T-OCT-1]
   return (interleaved << 1 | 1) << (3 * level);
 }
 constexpr int level(std::uint64_t key) { return std::countr_zero(key) / 3; }

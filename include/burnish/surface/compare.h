@@ -36,4 +36,15 @@ struct CompareOptions {
 OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to,
                                     const CompareOptions& options = {});
 
+// Components of one surface that another has nothing of.
+struct MissingComponents {
+  std::size_t count = 0;
+  double area = 0;       // their facets' area together
+  Vec3 largest_at;       // a point of the one with the largest area
+};
+
+// The components (of facets connected through shared points) of which no point is within `tolerance` of the other
+// surface; up to 64 points of each are looked at. `welded`: as `weld` returns it.
+MissingComponents missing_components(const TriangleSoup& welded, const TriangleIndex& other, double tolerance);
+
 }  // namespace burnish

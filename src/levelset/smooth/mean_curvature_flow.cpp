@@ -18,7 +18,7 @@ constexpr double kActive = 3.5;           // cells around the surface that flow;
 constexpr double kSteepest = 2;           // largest curvature that a lattice can show, in 1 / cell
 constexpr double kVolumeTolerance = 1e-6;
 
-// kappa |grad phi| by central differences; the thesis' (4.5) with phi_xx for its misprinted phi_xx^2.
+// kappa |grad phi| by central differences; the thesis' (4.5) with phi_xx for its misprinted phi_xx^2. [T-CURV-1]
 template <class At>
 double curvature_speed(At&& at) {
   const double c = at(0, 0, 0);
@@ -62,7 +62,7 @@ void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress
             const T* center = &dense[static_cast<std::size_t>((i + 1) + side * ((j + 1) + side * (k + 1)))];
             const double speed = curvature_speed(
                 [&](int dx, int dy, int dz) { return static_cast<double>(center[dx + side * (dy + side * dz)]); });
-            out[n] = static_cast<T>(old[n] + dt * speed);
+            out[n] = static_cast<T>(old[n] + dt * speed);  // [T-FLOW-1]
           }
     }
   });
@@ -73,7 +73,7 @@ template <class T, class Constrain>
 FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Constrain&& constrain) {
   FlowResult result;
   if (time <= 0) return result;
-  const int steps = static_cast<int>(std::ceil(time / kLargestStep));
+  const int steps = static_cast<int>(std::ceil(time / kLargestStep));  // [T-FLOW-3]
   const double dt = time / steps;
   Field<T> next = set.phi;
   for (int step = 1; step <= steps; ++step) {
@@ -94,7 +94,7 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Cons
 void clamp_to(const Field<float>& reference, double deviation, Field<float>& phi) {
   const auto t = static_cast<float>(deviation);
   parallel_for(phi.values.size(), [&](std::size_t i) {
-    phi.values[i] = std::clamp(phi.values[i], reference.values[i] - t, reference.values[i] + t);
+    phi.values[i] = std::clamp(phi.values[i], reference.values[i] - t, reference.values[i] + t);  // [T-FLOW-5]
   }, 16384);
 }
 
@@ -111,10 +111,10 @@ FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progres
 }
 
 double flow_time_for(double length) {
-  return std::numbers::ln10 * length * length / (4 * std::numbers::pi * std::numbers::pi);
+  return std::numbers::ln10 * length * length / (4 * std::numbers::pi * std::numbers::pi);  // [T-FLOW-4]
 }
 
-double room_for_smoothing(double length) { return 2 * std::sqrt(flow_time_for(length)); }
+double room_for_smoothing(double length) { return 2 * std::sqrt(flow_time_for(length)); }  // [T-FLOW-7]
 
 SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& options, Progress& progress) {
   SmoothingResult result;
@@ -128,7 +128,7 @@ SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& opti
   result.volume_after = enclosed_volume(level_set);
   if (!options.keep_volume) return result;
 
-  // Secant method for the shift; the first step is one that a surface of this volume gains about a per mille by.
+  // Secant method for the shift, from a first step of a twentieth of a cell. [T-FLOW-6]
   const Field<float> flowed = level_set.phi;
   double s0 = 0, v0 = result.volume_after;
   double s1 = v0 < result.volume_before ? 0.05 : -0.05;

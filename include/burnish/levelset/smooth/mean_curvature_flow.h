@@ -9,7 +9,7 @@
 namespace burnish {
 
 // A surface under phi_t = kappa |grad phi|, kappa = div(grad phi / |grad phi|) (the thesis' eq. 4.6 with phi > 0 inside), moves
-// along its normal with its mean curvature k1 + k2: a sphere obeys R^2 = R0^2 - 4 t.
+// along its normal with its mean curvature k1 + k2: a sphere obeys R^2 = R0^2 - 4 t. [T-FLOW-1], [T-FLOW-2]
 struct FlowResult {
   double time = 0;  // in cells squared
   int steps = 0;

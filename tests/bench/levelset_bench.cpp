@@ -1,0 +1,82 @@
+// The knot with 256 cells along its longest side.
+#include "burnish/extract/marching_tetrahedra.h"
+#include "burnish/levelset/crossings.h"
+#include "burnish/levelset/distance.h"
+#include "burnish/levelset/from_triangles.h"
+#include "burnish/levelset/redistance.h"
+#include "burnish/levelset/sign.h"
+#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "models.h"
+
+namespace burnish::bench {
+namespace {
+
+const SurfaceOctree& grid() {
+  static const SurfaceOctree grid = grow_uniform_band(lattice_knot(), knot_frame().depth, kBand);
+  return grid;
+}
+
+const LevelSet& level_set() {
+  static const LevelSet set =
+      level_set_from_triangles(knot(), knot_frame(), {.band = kFlowBand, .room = kBlockSide, .far_field = false}).level_set;
+  return set;
+}
+
+std::size_t nodes_near_surface(const SurfaceOctree& of) {
+  std::size_t near = 0;
+  for (std::size_t leaf = 0; leaf < of.octree.size(); ++leaf) near += of.near_surface(leaf);
+  return near * kBlockNodes;
+}
+
+void count_nodes(benchmark::State& state, const SurfaceOctree& of) {
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * nodes_near_surface(of)));
+}
+
+void grow_octree(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(grow_uniform_band(lattice_knot(), knot_frame().depth, kBand));
+  count_nodes(state, grid());
+}
+BENCHMARK(grow_octree)->Apply(in_cpu_time);
+
+void exact_distances(benchmark::State& state) {
+  for (auto _ : state) benchmark::DoNotOptimize(burnish::exact_distances(lattice_knot(), grid(), kBand));
+  count_nodes(state, grid());
+}
+BENCHMARK(exact_distances)->Apply(in_cpu_time);
+
+void classify(benchmark::State& state) {
+  const TriangleIndex triangles(lattice_knot());
+  const Field<float> distance = burnish::exact_distances(lattice_knot(), grid(), kBand).distance;
+  for (auto _ : state)
+    benchmark::DoNotOptimize(classify_nodes(grid(), distance, crossed_edges(lattice_knot(), grid()), triangles));
+  count_nodes(state, grid());
+}
+BENCHMARK(classify)->Apply(in_cpu_time);
+
+void redistance(benchmark::State& state) {
+  LevelSet set = level_set();
+  for (auto _ : state) burnish::redistance(set);
+  count_nodes(state, set.grid);
+}
+BENCHMARK(redistance)->Apply(in_cpu_time);
+
+// Six Euler steps and one redistancing.
+void flow_of_unit_time(benchmark::State& state) {
+  LevelSet set = level_set();
+  for (auto _ : state) {
+    set.phi = level_set().phi;
+    benchmark::DoNotOptimize(mean_curvature_flow(set, 1.0));
+  }
+  count_nodes(state, set.grid);
+}
+BENCHMARK(flow_of_unit_time)->Apply(in_cpu_time);
+
+void extract(benchmark::State& state) {
+  std::size_t facets = 0;
+  for (auto _ : state) facets += extract_surface(level_set()).soup.facets.size();
+  state.SetItemsProcessed(static_cast<std::int64_t>(facets));
+}
+BENCHMARK(extract)->Apply(in_cpu_time);
+
+}  // namespace
+}  // namespace burnish::bench
