@@ -1,6 +1,5 @@
 #include "distance_kernel.h"
 
-#include <algorithm>
 #include <cstring>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
@@ -41,8 +40,7 @@ PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c) {
   t.inverse_ca = inverse_or_zero(ca2);
   t.n = cross(t.ab, c - a);
   const double n2 = squared_norm(t.n);
-  const double longest2 = std::max({squared_norm(t.ab), squared_norm(t.bc), squared_norm(t.ca)});
-  t.inverse_n = n2 > kFlat * longest2 * longest2 ? 1 / n2 : 0;  // [T-DIST-2]
+  t.inverse_n = n2 > kFlat * ca2 * ca2 ? 1 / n2 : 0;  // [T-DIST-2]
   t.n_ab = cross(t.n, t.ab);
   t.n_bc = cross(t.n, t.bc);
   t.n_ca = cross(t.n, t.ca);

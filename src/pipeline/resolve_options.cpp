@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
 constexpr double kCellsAcross = 6;             // of the mean thickness
+constexpr double kMostCells = 1e6;             // of surface: about three million facets
 constexpr double kBytesPerFacet = 250;         // input, index, inspection
 constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
 constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
@@ -39,7 +40,8 @@ double mean_thickness(const TriangleSoup& prepared) {
 
 double default_cell(const TriangleSoup& prepared, double diagonal) {
   const double wanted = std::min(mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross);
-  return std::clamp(wanted, kFinest * diagonal, kCoarsest * diagonal);
+  const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));
+  return std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
 }
 
 double asked_cell(const CleanOptions& asked, const Box3& box) {

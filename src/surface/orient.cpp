@@ -129,21 +129,36 @@ IndexRange columns_between(double low, double high, double origin, double step) 
   return {begin, end};
 }
 
+// The columns of row `y` that a triangle can cover: slivers across the grid must not cost their whole box.
+IndexRange columns_of_row(const std::array<Vec3, 3>& v, double y, const ColumnGrid& grid) {
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 &p = v[i], &q = v[(i + 1) % 3];
+    const double dp = y - p[grid.v], span = q[grid.v] - p[grid.v];
+    if ((dp < 0) == (y < q[grid.v]) && dp != 0) continue;
+    const double t = span == 0 ? 0 : std::clamp(dp / span, 0.0, 1.0);
+    const double x = p[grid.u] + t * (q[grid.u] - p[grid.u]);
+    low = std::min({low, x, span == 0 ? q[grid.u] : x});
+    high = std::max({high, x, span == 0 ? q[grid.u] : x});
+  }
+  return low <= high ? columns_between(low - 0.01 * grid.du, high + 0.01 * grid.du, grid.u0, grid.du) : IndexRange{0, 0};
+}
+
 void see_facet(const TriangleSoup& soup, std::uint32_t f, const ColumnGrid& grid, View& view) {
   const Vec3 &a = soup.corner(f, 0), &b = soup.corner(f, 1), &c = soup.corner(f, 2);
   const Vec3 n = cross(b - a, c - a);
   if (n[grid.axis] == 0) return;
-  const auto [iu, eu] = columns_between(std::min({a[grid.u], b[grid.u], c[grid.u]}),
-                                        std::max({a[grid.u], b[grid.u], c[grid.u]}), grid.u0, grid.du);
   const auto [iv, ev] = columns_between(std::min({a[grid.v], b[grid.v], c[grid.v]}),
                                         std::max({a[grid.v], b[grid.v], c[grid.v]}), grid.v0, grid.dv);
   const double side = n[grid.axis] > 0 ? 1 : -1;
   const auto edge = [&](const Vec3& p, const Vec3& q, double x, double y) {
     return side * ((q[grid.u] - p[grid.u]) * (y - p[grid.v]) - (q[grid.v] - p[grid.v]) * (x - p[grid.u]));
   };
-  for (int j = iv; j < ev; ++j)
-    for (int i = iu; i < eu; ++i) {
-      const double x = grid.u0 + i * grid.du, y = grid.v0 + j * grid.dv;
+  for (int j = iv; j < ev; ++j) {
+    const double y = grid.v0 + j * grid.dv;
+    const auto [begin, end] = columns_of_row({a, b, c}, y, grid);
+    for (int i = begin; i < end; ++i) {
+      const double x = grid.u0 + i * grid.du;
       if (edge(a, b, x, y) < 0 || edge(b, c, x, y) < 0 || edge(c, a, x, y) < 0) continue;
       const double depth =
           a[grid.axis] - (n[grid.u] * (x - a[grid.u]) + n[grid.v] * (y - a[grid.v])) / n[grid.axis];
@@ -151,6 +166,7 @@ void see_facet(const TriangleSoup& soup, std::uint32_t f, const ColumnGrid& grid
       if (depth < view.first[column].depth) view.first[column] = {depth, f};
       if (depth > view.last[column].depth) view.last[column] = {depth, f};
     }
+  }
 }
 
 struct Votes {

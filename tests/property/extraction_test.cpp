@@ -132,7 +132,7 @@ TEST(Extraction, AnyNoiseOnAUniformOctree) {
     const Octree tree = Octree::build(1, all_blocks(1));
     const Magnitudes kind = kMagnitudes[seed % kMagnitudes.size()];
     const double inside = std::array{0.02, 0.1, 0.3, 0.5, 0.9}[seed % 5];
-    const Noise noise{Engine(seed), inside, kind};
+    Noise noise{Engine(seed), inside, kind};
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     if (seed % 2) {
       EXPECT_EQ(flaws_of(closed_at_walls(level_set_of<double>(tree, noise))), "");
@@ -149,7 +149,7 @@ TEST(Extraction, AnyNoiseAcrossLevelJumps) {
     const Octree tree = random_octree(engine, depth, 1 + engine() % 6);
     const Magnitudes kind = kMagnitudes[seed % kMagnitudes.size()];
     const double inside = std::array{0.01, 0.03, 0.1}[engine() % 3];
-    const Noise noise{Engine(seed), inside, kind};
+    Noise noise{Engine(seed), inside, kind};
     SCOPED_TRACE(::testing::Message() << "seed " << seed);
     if (seed % 2) {
       EXPECT_EQ(flaws_of(closed_at_walls(level_set_of<double>(tree, noise))), "");
@@ -323,7 +323,7 @@ TEST(Extraction, UnsnappedSurfaceEnclosesTheVolumeOfTheField) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
     Engine engine(seed);
     const Octree tree = Octree::build(1, all_blocks(1));
-    const Noise noise{Engine(seed), uniform(engine, 0.05, 0.95), Magnitudes::even};
+    Noise noise{Engine(seed), uniform(engine, 0.05, 0.95), Magnitudes::even};
     const auto check = [&](const auto& set) {
       const double volume = enclosed_volume(set);
       EXPECT_NEAR(signed_volume(extract_surface(set, {.snap = false}).soup), volume, 1e-9 * volume);
