@@ -2,8 +2,10 @@
 
 #if defined(BURNISH_PARALLEL_THREADS)
 #include <atomic>
+#include <cstdint>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #else
 #include <tbb/blocked_range.h>
@@ -43,14 +45,19 @@ void parallel_chunks(std::size_t chunks, const std::function<void(std::size_t)>&
     }
   };
   std::vector<std::thread> pool;
-  for (std::size_t w = 1; w < workers; ++w) pool.emplace_back(work);
+  try {
+    for (std::size_t w = 1; w < workers; ++w) pool.emplace_back(work);
+  } catch (const std::system_error&) {
+    // Fewer threads than hoped for do the same work.
+  }
   work();
   for (std::thread& t : pool) t.join();
   if (failure) std::rethrow_exception(failure);
 }
 
-ThreadLimit::ThreadLimit(int threads) : handle_(nullptr) { g_limit = threads; }
-ThreadLimit::~ThreadLimit() { g_limit = 0; }
+// The handle is the limit that held before.
+ThreadLimit::ThreadLimit(int threads) : handle_(reinterpret_cast<void*>(std::intptr_t{g_limit.exchange(threads)})) {}
+ThreadLimit::~ThreadLimit() { g_limit = static_cast<int>(reinterpret_cast<std::intptr_t>(handle_)); }
 
 #else
 

@@ -14,6 +14,7 @@
 #include <random>
 
 #include "burnish/core/error.h"
+#include "fd_writer.h"
 
 namespace burnish {
 namespace {
@@ -127,6 +128,20 @@ OutputFile::~OutputFile() {
 
 void OutputFile::truncate() {
   if (::ftruncate(fd_, 0) != 0 || ::lseek(fd_, 0, SEEK_SET) != 0) fail_errno(destination_, errno);
+}
+
+void OutputFile::copy_to(int fd, const std::string& label) const {
+  FdWriter out(fd, label);
+  std::array<char, FdWriter::kLargest> buffer;
+  for (off_t at = 0;;) {
+    const ssize_t got = ::pread(fd_, buffer.data(), buffer.size(), at);
+    if (got < 0 && errno == EINTR) continue;
+    if (got < 0) fail_errno(temporary_, errno);
+    if (got == 0) break;
+    out.put(std::string_view(buffer.data(), static_cast<std::size_t>(got)));
+    at += got;
+  }
+  out.flush();
 }
 
 void OutputFile::commit() {

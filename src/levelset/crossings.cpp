@@ -10,7 +10,7 @@
 namespace burnish {
 namespace {
 
-constexpr double kEdgeOn = 1e-7;  // a facet whose normal is this perpendicular to the axis has no depth of its own
+constexpr double kRounding = 1e-12;  // of coordinates relative to a block, as part of the facet's extent
 
 struct NodeRange {
   int begin, end;
@@ -26,12 +26,20 @@ class AxisView {
  public:
   AxisView(const std::array<Vec3, 3>& v, int axis) : v_(v), axis_(axis), u_((axis + 1) % 3), w_((axis + 2) % 3) {
     normal_ = cross(v[1] - v[0], v[2] - v[0]);
-    edge_on_ = std::abs(normal_[axis]) <= kEdgeOn * norm(normal_);
     side_ = normal_[axis] > 0 ? 1 : -1;
+    double longest = 0, extent = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 e = v[(i + 1) % 3] - v[i];
-      slack_[i] = kTouching * std::hypot(e[u_], e[w_]);
+      const double length = std::sqrt(e[u_] * e[u_] + e[w_] * e[w_]);
+      slack_[i] = kTouching * length;
+      longest = std::max(longest, length);
+      extent = std::max({extent, std::abs(v[i].x), std::abs(v[i].y), std::abs(v[i].z)});
     }
+    // Seen along the axis a sliver no wider than the tolerance: it has no depth of its own, all of it counts.
+    edge_on_ = std::abs(normal_[axis]) <= kTouching * longest;
+    depth_slack_ = kTouching;
+    if (!edge_on_)
+      depth_slack_ += kRounding * extent * (std::abs(normal_[u_]) + std::abs(normal_[w_])) / std::abs(normal_[axis]);
   }
 
   // Calls mark(k) for every edge k = 0..7 (from node k to k + 1) of column (i, j) that the facet crosses.
@@ -41,7 +49,9 @@ class AxisView {
     double low = low_(axis_), high = high_(axis_);
     if (!edge_on_) {
       const double depth = v_[0][axis_] - (normal_[u_] * (i - v_[0][u_]) + normal_[w_] * (j - v_[0][w_])) / normal_[axis_];
-      low = high = std::clamp(depth, low, high);
+      const double least = low, most = high;
+      low = std::clamp(depth - depth_slack_, least, most);
+      high = std::clamp(depth + depth_slack_, least, most);
     }
     const int first = static_cast<int>(std::floor(std::max(low - kTouching, 0.0)));
     const int last = static_cast<int>(std::floor(std::min(high + kTouching, kBlockSide - 0.5)));
@@ -70,6 +80,7 @@ class AxisView {
   Vec3 normal_;
   bool edge_on_;
   double side_;
+  double depth_slack_;
   std::array<double, 3> slack_{};
 };
 

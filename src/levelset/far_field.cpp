@@ -76,27 +76,23 @@ class FarField {
   }
 
   // Leaves read what waves before `wave` left and write their own far nodes: into copies first, so that leaves of one
-  // wave do not see each other's half-done work.
+  // wave do not see each other's work.
   void fill(const std::vector<std::uint32_t>& leaves, int wave) {
     struct Values {
       std::array<float, kBlockNodes> distance;
       std::array<std::uint32_t, kBlockNodes> nearest;
     };
-    constexpr std::size_t kBatch = 4096;
-    std::vector<Values> values(std::min(kBatch, leaves.size()));
-    for (std::size_t first = 0; first < leaves.size(); first += kBatch) {
-      const std::size_t count = std::min(kBatch, leaves.size() - first);
-      parallel_for(
-          count,
-          [&](std::size_t i) {
-            progress_.check();
-            compute(leaves[first + i], wave, values[i].distance.data(), values[i].nearest.data());
-          },
-          8);
-      for (std::size_t i = 0; i < count; ++i) {
-        std::copy(values[i].distance.begin(), values[i].distance.end(), field_.distance.block(leaves[first + i]));
-        std::copy(values[i].nearest.begin(), values[i].nearest.end(), field_.nearest.block(leaves[first + i]));
-      }
+    std::vector<Values> values(leaves.size());
+    parallel_for(
+        leaves.size(),
+        [&](std::size_t i) {
+          progress_.check();
+          compute(leaves[i], wave, values[i].distance.data(), values[i].nearest.data());
+        },
+        8);
+    for (std::size_t i = 0; i < leaves.size(); ++i) {
+      std::copy(values[i].distance.begin(), values[i].distance.end(), field_.distance.block(leaves[i]));
+      std::copy(values[i].nearest.begin(), values[i].nearest.end(), field_.nearest.block(leaves[i]));
     }
   }
 

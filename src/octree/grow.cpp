@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "burnish/core/parallel.h"
 #include "burnish/octree/field.h"
@@ -82,23 +83,22 @@ std::vector<Pair> facets_near_blocks(const TriangleSoup& soup, double band, Prog
   return all;
 }
 
-// The blocks and the 26 around each, within the domain.
-std::vector<std::uint64_t> with_neighbors(const std::vector<std::uint64_t>& blocks, int depth) {
-  const std::int64_t side = std::int64_t{1} << depth;
-  std::vector<std::uint64_t> all;
-  all.reserve(blocks.size() * 27);
-  for (const std::uint64_t m : blocks) {
-    const morton::Position p = morton::deinterleave(m);
-    for (int dir = 0; dir < kDirections; ++dir) {
-      const auto [dx, dy, dz] = offset_of(dir);
-      const std::int64_t x = std::int64_t{p.x} + dx, y = std::int64_t{p.y} + dy, z = std::int64_t{p.z} + dz;
-      if (std::min({x, y, z}) < 0 || std::max({x, y, z}) >= side) continue;
-      all.push_back(morton::interleave({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)}));
+// The blocks and the 26 around each, within the domain: one axis after the other.
+std::vector<std::uint64_t> with_neighbors(std::vector<std::uint64_t> blocks, int depth) {
+  const std::uint32_t side = 1u << depth;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::size_t n = blocks.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      const morton::Position p = morton::deinterleave(blocks[i]);
+      for (const std::uint32_t step : {0u - 1u, 1u}) {
+        const morton::Position q{p.x + (axis == 0 ? step : 0), p.y + (axis == 1 ? step : 0), p.z + (axis == 2 ? step : 0)};
+        if (q.x < side && q.y < side && q.z < side) blocks.push_back(morton::interleave(q));
+      }
     }
+    parallel_sort(blocks);
+    blocks.erase(std::unique(blocks.begin(), blocks.end()), blocks.end());
   }
-  parallel_sort(all);
-  all.erase(std::unique(all.begin(), all.end()), all.end());
-  return all;
+  return blocks;
 }
 
 }  // namespace
@@ -130,7 +130,7 @@ SurfaceOctree grow_uniform_band(const TriangleSoup& lattice_soup, int depth, dou
   std::vector<std::uint64_t> finest;
   for (const Pair& pair : pairs)
     if (finest.empty() || finest.back() != pair.block) finest.push_back(pair.block);
-  for (int ring = 0; ring < rings; ++ring) finest = with_neighbors(finest, depth);
+  for (int ring = 0; ring < rings; ++ring) finest = with_neighbors(std::move(finest), depth);
   SurfaceOctree result;
   result.octree = Octree::build(depth, finest);
   result.first_facet.assign(result.octree.size() + 1, 0);

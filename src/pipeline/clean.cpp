@@ -2,6 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "burnish/io/mesh_io.h"
 #include "burnish/levelset/from_triangles.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
@@ -14,6 +17,8 @@
 namespace burnish {
 namespace {
 
+constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
+constexpr double kVolumeKept = 1e-3;   // drift of the volume beyond which the user is told
 constexpr double kUnsmoothedBand = 3;  // cells of exact distances around the surface
 constexpr double kDomainMargin = 11;   // cells between the band and the walls
 
@@ -53,6 +58,12 @@ class Run {
     report_.input_format = name(file.format);
     report_.warnings = std::move(file.warnings);
     input_ = weld(std::move(file.soup));
+    const double diagonal = bounding_box(input_).diagonal();
+    if (diagonal > kLargestDiagonal || (diagonal > 0 && diagonal < kSmallestDiagonal))
+      throw Error(ErrorCode::unreadable_input,
+                  fmt::format("{}: expected a size between {:g} and {:g}, found a bounding box with a diagonal of {:g}", job_.input,
+                              kSmallestDiagonal, kLargestDiagonal, diagonal),
+                  "areas and volumes of such a model are beyond double precision: scale it");
   }
 
   // Inspects, orients and caps the input. False if it bounds no solid.
@@ -60,7 +71,7 @@ class Run {
     begin("inspecting");
     report_.before = inspect(input_, {}, progress_).defects;
     begin("repairing");
-    prepared_ = prepare_input(input_, report_.before, report_.actions);
+    prepared_ = prepare_input(input_, report_.actions);
     report_.failure = reason_for_no_solid(input_, prepared_, report_.before, report_.actions);
     return !report_.failure;
   }
@@ -73,7 +84,12 @@ class Run {
     const double smooth_cells = options.smooth / options.cell;
     // Smoothing and extraction look no farther than the band, so the far field is left out.
     LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
-    if (smooth_cells > 0) set = {.band = kFlowBand, .room = room_for_smoothing(smooth_cells), .far_field = false};
+    if (smooth_cells > 0) {
+      set.room = room_for_smoothing(smooth_cells);
+      // A bound on the deviation is held against exact distances.
+      const double bound = options.deviation ? *options.deviation / options.cell : 0;
+      set.band = std::max(kFlowBand, std::min(bound, set.room) + 1);
+    }
     const GridFrame frame = make_frame(bounding_box(prepared_), options.cell, set.band + set.room + kDomainMargin);
     LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, set, progress_);
     report_.actions.ambiguous_regions = built.ambiguous_regions;
@@ -101,6 +117,11 @@ class Run {
     const double square = options.cell * options.cell;
     report_.smoothing = {options.smooth, done.flow.time * square, done.flow.steps,
                          done.volume_before * square * options.cell, done.volume_after * square * options.cell};
+    const double drift = done.volume_after / done.volume_before - 1;
+    if (!(std::abs(drift) <= kVolumeKept))
+      report_.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,
+                                             options.deviation ? "the bound on the deviation did not let it be restored"
+                                                               : "the smoothing length is too large for this model"));
   }
 
   void extract(CleanedOutput& output) {
@@ -108,7 +129,7 @@ class Run {
     const Inspection inspection = output.write_verified(level_set_, progress_);
     report_.after = inspection.defects;
     report_.verified = inspection.defects.valid_solid();
-    if (!report_.verified) report_.failure = output.reason_for_failure(inspection.defects);
+    if (!report_.verified) report_.failure = output.reason_for_failure(inspection.defects, report_.options);
     result_ = output.take_result();
     level_set_ = {};
   }
@@ -138,7 +159,7 @@ class Run {
   }
 
   void publish(CleanedOutput& output) {
-    if (!report_.verified && !job_.allow_invalid) return;
+    if (report_.after.facets == 0 || (!report_.verified && !job_.allow_invalid)) return;
     begin("writing");
     output.publish();
     report_.written = true;

@@ -34,6 +34,10 @@ std::vector<std::uint32_t> broken_facets(const TriangleSoup& welded, const Inspe
     if (table.uses(e).size() == 2 && !table.is_misoriented(e)) continue;
     for (const EdgeUse& use : table.uses(e)) broken.push_back(use.facet);
   }
+  const std::vector<std::uint32_t> pinched = non_manifold_points(welded);
+  for (std::uint32_t f = 0; f < welded.facets.size() && !pinched.empty(); ++f)
+    for (const std::uint32_t p : welded.facets[f])
+      if (std::binary_search(pinched.begin(), pinched.end(), p)) broken.push_back(f);
   std::sort(broken.begin(), broken.end());
   broken.erase(std::unique(broken.begin(), broken.end()), broken.end());
   return broken;
@@ -55,7 +59,7 @@ CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : d
   const bool to_stdout = destination == "-";
   options_.format = to_stdout ? MeshFormat::stl_binary : format_for_writing(destination);
   file_ = std::make_unique<OutputFile>(to_stdout ? fmt::format("{}/burnish-output-{}.stl", temporary_folder(), getpid()) : destination,
-                                       overwrite);
+                                       overwrite || to_stdout);
 }
 
 void CleanedOutput::write(const TriangleSoup& soup) {
@@ -82,7 +86,9 @@ Inspection CleanedOutput::write_verified(const LevelSet& level_set, Progress& pr
   }
 }
 
-Error CleanedOutput::reason_for_failure(const Defects& after) const {
+Error CleanedOutput::reason_for_failure(const Defects& after, const ResolvedOptions& options) const {
+  if (after.facets == 0 && options.smooth > 0)
+    return Error(ErrorCode::guarantee_unmet, "no solid: smoothing left nothing of the model", "choose a smaller --smooth, or bound it with --deviation");
   if (after.facets == 0)
     return Error(ErrorCode::guarantee_unmet, "no solid: nothing of the input bounds a volume that cells of this size can hold",
                  "choose a smaller --cell, or give sheets a thickness first");
@@ -98,7 +104,7 @@ Error CleanedOutput::reason_for_failure(const Defects& after) const {
 
 void CleanedOutput::publish() {
   if (destination_ == "-") {
-    write_mesh(1, "standard output", result_, options_);
+    file_->copy_to(STDOUT_FILENO, "standard output");
   } else {
     file_->commit();
   }

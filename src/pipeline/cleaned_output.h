@@ -10,6 +10,7 @@
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
 #include "burnish/levelset/level_set.h"
+#include "burnish/pipeline/options.h"
 #include "burnish/surface/inspect.h"
 
 namespace burnish {
@@ -31,9 +32,9 @@ class CleanedOutput {
   TriangleSoup take_result() { return std::move(result_); }
 
   // What to tell the user about a result that is no valid solid.
-  Error reason_for_failure(const Defects& after) const;
+  Error reason_for_failure(const Defects& after, const ResolvedOptions& options) const;
 
-  // Renames the temporary to the destination, or copies it to standard output.
+  // Renames the temporary to the destination, or copies its bytes to standard output.
   void publish();
 
  private:

@@ -55,7 +55,7 @@ TriangleSoup drop_useless_facets(const TriangleSoup& soup, RepairActions& action
 
 }  // namespace
 
-TriangleSoup prepare_input(const TriangleSoup& welded, const Defects&, RepairActions& actions) {
+TriangleSoup prepare_input(const TriangleSoup& welded, RepairActions& actions) {
   TriangleSoup soup = drop_useless_facets(welded, actions);
   if (open_share(soup) > kUnmatchedShare) {
     const double tolerance = kWeldShare * median_edge(soup);

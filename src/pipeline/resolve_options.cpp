@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
 constexpr double kCellsAcross = 6;             // of the mean thickness
+constexpr double kCellsPerWave = 12;           // of the smoothing length: what is shorter will be gone
+constexpr double kCoarsestSmoothed = 1.0 / 150;
 constexpr double kMostCells = 1e6;             // of surface: about three million facets
 constexpr double kBytesPerFacet = 250;         // input, index, inspection
 constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
@@ -38,10 +40,13 @@ double mean_thickness(const TriangleSoup& prepared) {
   return a > 0 ? 2 * std::abs(signed_volume(prepared)) / a : 0;
 }
 
-double default_cell(const TriangleSoup& prepared, double diagonal) {
+double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth) {
   const double wanted = std::min(mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross);
   const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));
-  return std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
+  const double cell = std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
+  if (smooth.unit == LengthUnit::cells) return cell;
+  const double enough = smooth.in_model_units(diagonal, 0) / kCellsPerWave;
+  return std::max(cell, std::min(enough, kCoarsestSmoothed * diagonal));
 }
 
 double asked_cell(const CleanOptions& asked, const Box3& box) {
@@ -55,8 +60,9 @@ double asked_cell(const CleanOptions& asked, const Box3& box) {
 
 std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double band) {
   const double cells = area(prepared) / (cell * cell);
-  return static_cast<std::uint64_t>(kBytesPerFacet * static_cast<double>(prepared.facets.size()) +
-                                    cells * (kBytesPerCell + kBytesPerCellAndBand * band));
+  const double bytes = kBytesPerFacet * static_cast<double>(prepared.facets.size()) +
+                       cells * (kBytesPerCell + kBytesPerCellAndBand * band);
+  return static_cast<std::uint64_t>(std::min(bytes, 0x1p62));
 }
 
 ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& prepared, std::vector<std::string>& warnings) {
@@ -66,7 +72,7 @@ ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& p
   resolved.memory_bytes = asked.memory_bytes;
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
-    const double wanted = default_cell(prepared, diagonal);
+    const double wanted = default_cell(prepared, diagonal, asked.smooth);
     resolved.cell = fitted_cell(asked, prepared, diagonal, wanted);
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));

@@ -79,6 +79,7 @@ void least_area_cap(const Loop& loop, TriangleSoup& soup) {
     for (std::size_t i = 0; i + span < n; ++i) {
       const std::size_t j = i + span;
       double least = std::numeric_limits<double>::infinity();
+      split[i * n + j] = static_cast<std::uint16_t>(i + 1);
       for (std::size_t m = i + 1; m < j; ++m) {
         const double sum = best[i * n + m] + best[m * n + j] + triangle_area(point(i), point(m), point(j));
         if (sum < least) {

@@ -2,9 +2,9 @@
 
 #include <algorithm>
 
+#include "burnish/core/union_find.h"
 #include "burnish/surface/edge_table.h"
 #include "facet_kinds.h"
-#include "burnish/core/union_find.h"
 
 namespace burnish {
 namespace {
@@ -49,9 +49,8 @@ std::uint32_t corner_at(const EdgeUse& use, bool lower) {
   return 3 * use.facet + (use.forward == lower ? from : to);
 }
 
-// Corners of facets that meet in an edge belong to the same fan at each of its points; a point at which more
-// than one fan remains is not manifold.
-std::size_t count_non_manifold_points(const TriangleSoup& soup, const EdgeTable& edges) {
+// Points at which more than one fan of facets remains once corners of facets that meet in an edge are joined.
+std::vector<std::uint32_t> points_with_several_fans(const TriangleSoup& soup, const EdgeTable& edges) {
   UnionFind fans(3 * soup.facets.size());
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto uses = edges.uses(e);
@@ -65,7 +64,10 @@ std::size_t count_non_manifold_points(const TriangleSoup& soup, const EdgeTable&
     std::uint8_t& count = fans_at[facet[c % 3]];
     count = static_cast<std::uint8_t>(std::min(2, count + 1));
   }
-  return static_cast<std::size_t>(std::count(fans_at.begin(), fans_at.end(), 2));
+  std::vector<std::uint32_t> several;
+  for (std::uint32_t p = 0; p < fans_at.size(); ++p)
+    if (fans_at[p] > 1) several.push_back(p);
+  return several;
 }
 
 void measure(const TriangleSoup& soup, Defects& defects) {
@@ -96,7 +98,7 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
     count_edges(edges, defects);
     defects.components = count_components(welded, edges);
     defects.open_loops = count_open_loops(welded, edges);
-    defects.non_manifold_points = count_non_manifold_points(welded, edges);
+    defects.non_manifold_points = points_with_several_fans(welded, edges).size();
   }
   progress.check();
 
@@ -108,6 +110,10 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
       result.self_intersections.resize(options.max_collected_pairs);
   }
   return result;
+}
+
+std::vector<std::uint32_t> non_manifold_points(const TriangleSoup& welded) {
+  return points_with_several_fans(welded, EdgeTable(welded));
 }
 
 }  // namespace burnish

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <numbers>
+#include <optional>
 #include <random>
 
 #include "burnish/core/parallel.h"
@@ -25,7 +26,7 @@ double worst_radius_error(double radius, int offsets) {
   const double time = 0.05 * radius * radius, exact = std::sqrt(radius * radius - 4 * time);
   double worst = 0;
   for (int i = 0; i < offsets; ++i) {
-    auto [set, center] = analytic_ball<double>(radius, random_offset(random), 4 + (radius - exact));
+    auto [set, center] = analytic_ball<double>(radius, random_offset(random), kFlowBand + (radius - exact));
     const FlowResult flow = mean_curvature_flow(set, time);
     EXPECT_DOUBLE_EQ(flow.time, time);
     EXPECT_GE(flow.steps, static_cast<int>(std::ceil(6 * time - 1e-9)));
@@ -50,7 +51,7 @@ TEST(MeanCurvatureFlow, AttenuatesWavesTenfoldInTheTimeForTheirLength) {
   for (const double wavelength : {8.0, 16.0}) {
     const double k = 2 * kPi / wavelength, amplitude = 0.02 * wavelength;
     const auto wave = [&](const Vec3& p) { return amplitude * std::cos(k * (p.x + 0.5)); };
-    BasicLevelSet<double> set = analytic_level_set<double>(3, 6, [&](const Vec3& p) { return 32.3 + wave(p) - p.z; });
+    BasicLevelSet<double> set = analytic_level_set<double>(3, kFlowBand + 2, [&](const Vec3& p) { return 32.3 + wave(p) - p.z; });
     mean_curvature_flow(set, flow_time_for(wavelength));
     // Amplitude by projection on the middle two wavelengths, from crossings of vertical edges.
     double sum = 0, count = 0;
@@ -68,7 +69,7 @@ TEST(MeanCurvatureFlow, AttenuatesWavesTenfoldInTheTimeForTheirLength) {
 TEST(MeanCurvatureFlow, TimeForALength) {
   for (const double length : {1.0, 3.0, 20.0}) {
     EXPECT_NEAR(std::exp(-std::pow(2 * kPi / length, 2) * flow_time_for(length)), 0.1, 1e-12);
-    EXPECT_GT(band_for_smoothing(length), 2 * std::sqrt(flow_time_for(length)) + 3);
+    EXPECT_GE(room_for_smoothing(length), 2 * std::sqrt(flow_time_for(length)));
   }
 }
 
@@ -79,6 +80,13 @@ TEST(MeanCurvatureFlow, PlanesAndZeroTimesDoNothing) {
   const Field<double> before = set.phi;
   EXPECT_EQ(mean_curvature_flow(set, 0).steps, 0);
   EXPECT_EQ(set.phi.values, before.values);
+}
+
+// Cells around a surface that have to be finest for smoothing.
+double zone_for(double length) { return room_for_smoothing(length) + kFlowBand; }
+
+SmoothingOptions smoothing(double length, std::optional<double> deviation = {}, bool keep_volume = true) {
+  return {length, deviation, keep_volume};
 }
 
 // A ball with bumps of a wavelength of about `length` cells.
@@ -96,9 +104,9 @@ Ball<float> bumpy_ball(double radius, double length, double height, double band)
 TEST(SmoothByFlow, KeepsTheVolume) {
   for (const double length : {4.0, 10.0}) {
     SCOPED_TRACE(testing::Message() << "length " << length);
-    Ball<float> ball = bumpy_ball(16, 6, 0.6, band_for_smoothing(length));
+    Ball<float> ball = bumpy_ball(16, 6, 0.6, zone_for(length));
     const double before = enclosed_volume(ball.set);
-    const SmoothingResult result = smooth_by_flow(ball.set, {.length = length});
+    const SmoothingResult result = smooth_by_flow(ball.set, smoothing(length));
     EXPECT_DOUBLE_EQ(result.volume_before, before);
     EXPECT_NEAR(enclosed_volume(ball.set) / before, 1, 1e-5);
     EXPECT_NEAR(result.volume_after / enclosed_volume(ball.set), 1, 1e-12);
@@ -108,8 +116,8 @@ TEST(SmoothByFlow, KeepsTheVolume) {
 
 TEST(SmoothByFlow, WithoutKeepingVolumeABallShrinksByTheFlow) {
   const double length = 12, radius = 20;
-  Ball<float> ball = analytic_ball<float>(radius, {0.2, 0.3, 0.4}, band_for_smoothing(length));
-  const SmoothingResult result = smooth_by_flow(ball.set, {.length = length, .keep_volume = false});
+  Ball<float> ball = analytic_ball<float>(radius, {0.2, 0.3, 0.4}, zone_for(length));
+  const SmoothingResult result = smooth_by_flow(ball.set, smoothing(length, {}, false));
   const double exact = std::pow(1 - 4 * flow_time_for(length) / (radius * radius), 1.5);
   EXPECT_NEAR(result.volume_after / result.volume_before, exact, 0.005);
 }
@@ -117,10 +125,10 @@ TEST(SmoothByFlow, WithoutKeepingVolumeABallShrinksByTheFlow) {
 TEST(SmoothByFlow, DeviationBoundsPhiAtEveryNode) {
   for (const bool keep_volume : {false, true}) {
     SCOPED_TRACE(testing::Message() << "keep volume " << keep_volume);
-    Ball<float> ball = bumpy_ball(16, 8, 1.2, band_for_smoothing(12));
+    Ball<float> ball = bumpy_ball(16, 8, 1.2, zone_for(12));
     const Field<float> before = ball.set.phi;
     const double bound = 0.3;
-    smooth_by_flow(ball.set, {.length = 12, .deviation = bound, .keep_volume = keep_volume});
+    smooth_by_flow(ball.set, smoothing(12, bound, keep_volume));
     double worst = 0;
     for (std::size_t i = 0; i < before.values.size(); ++i)
       worst = std::max(worst, static_cast<double>(std::abs(ball.set.phi.values[i] - before.values[i])));
@@ -130,7 +138,7 @@ TEST(SmoothByFlow, DeviationBoundsPhiAtEveryNode) {
 }
 
 TEST(SmoothByFlow, RemovesBumps) {
-  Ball<float> ball = bumpy_ball(16, 6, 0.6, band_for_smoothing(8));
+  Ball<float> ball = bumpy_ball(16, 6, 0.6, zone_for(8));
   const auto roughness = [&] {
     const double mean = mean_radius(ball.set, ball.center);
     double sum = 0, count = 0;
@@ -138,15 +146,15 @@ TEST(SmoothByFlow, RemovesBumps) {
     return std::sqrt(sum / count);
   };
   const double before = roughness();
-  smooth_by_flow(ball.set, {.length = 8});
+  smooth_by_flow(ball.set, smoothing(8));
   EXPECT_LE(roughness(), 0.1 * before);
 }
 
 TEST(SmoothByFlow, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const ThreadLimit limit(threads);
-    Ball<float> ball = bumpy_ball(12, 6, 0.6, band_for_smoothing(6));
-    smooth_by_flow(ball.set, {.length = 6, .deviation = 0.4});
+    Ball<float> ball = bumpy_ball(12, 6, 0.6, zone_for(6));
+    smooth_by_flow(ball.set, smoothing(6, 0.4));
     return ball.set.phi.values;
   };
   const std::vector<float> one = run(1), four = run(4);

@@ -3,16 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <cstring>
-#include <functional>
-#include <map>
 #include <numbers>
 #include <random>
-#include <set>
 #include <string>
-#include <tuple>
+#include <vector>
 
 #include "burnish/core/parallel.h"
 #include "burnish/extract/marching_tetrahedra.h"
@@ -121,13 +117,22 @@ Octree random_octree(Engine& engine, int depth, std::size_t finest_blocks) {
   return Octree::build(depth, finest);
 }
 
+// `field` within the domain, outside near its walls: the surface stays two cells away from them.
+template <class Value>
+auto away_from_walls(Value field, int depth) {
+  return [field, last = (kBlockSide << depth) - 1](const LatticeNode& n) {
+    const int wall = std::min({n.x, n.y, n.z, last - n.x, last - n.y, last - n.z});
+    return std::min(field(n), wall - 2.5);
+  };
+}
+
 bool same_bits(const TriangleSoup& a, const TriangleSoup& b) {
   return a.points.size() == b.points.size() && a.facets == b.facets &&
          std::memcmp(a.points.data(), b.points.data(), a.points.size() * sizeof(Vec3)) == 0;
 }
 
 TEST(Extraction, AnyNoiseOnAUniformOctree) {
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 36; ++seed) {
     Engine engine(seed);
     const Octree tree = Octree::build(1, all_blocks(1));
     const Magnitudes kind = kMagnitudes[seed % kMagnitudes.size()];
@@ -143,7 +148,7 @@ TEST(Extraction, AnyNoiseOnAUniformOctree) {
 }
 
 TEST(Extraction, AnyNoiseAcrossLevelJumps) {
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 18; ++seed) {
     Engine engine(seed);
     const int depth = seed % 3 ? 2 : 3;
     const Octree tree = random_octree(engine, depth, 1 + engine() % 6);
@@ -160,7 +165,7 @@ TEST(Extraction, AnyNoiseAcrossLevelJumps) {
 }
 
 TEST(Extraction, SmoothFieldsOnAnyOctree) {
-  for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
     Engine engine(seed);
     const Octree tree = seed % 2 ? Octree::build(1, all_blocks(1)) : random_octree(engine, 3, 1 + engine() % 8);
     const Waves waves(engine, uniform(engine, 3, 16));
@@ -173,38 +178,36 @@ TEST(Extraction, SmoothFieldsOnAnyOctree) {
 }
 
 // A leaf has 8 cells a side, so a cell meets finer leaves through at most three faces, one an axis, and the edges and
-// the corner between them. All of these: each corner of a leaf, each choice among the seven leaves around that corner.
+// the corner between them. All of these, at all eight corners of a leaf: bit (|dx| + 2 |dy| + 4 |dz|) - 1 of the mask
+// says whether the neighbours in the directions (dx, dy, dz) are finer.
 TEST(Extraction, EverySplitOfATransitionCell) {
   std::size_t transition_cells = 0;
-  for (int corner = 0; corner < 8; ++corner)
-    for (unsigned finer = 1; finer < 128; ++finer) {
-      const auto toward = [&](int axis) { return corner >> axis & 1 ? 1 : -1; };
-      std::vector<std::uint64_t> finest;
-      for (int k = 1; k < 8; ++k) {
-        if (!(finer >> (k - 1) & 1)) continue;
-        const auto octant = [&](int axis) { return static_cast<std::uint32_t>(1 + (k >> axis & 1 ? toward(axis) : 0)); };
+  for (unsigned finer = 1; finer < 128; ++finer) {
+    std::vector<std::uint64_t> finest;
+    for (int dir = 0; dir < kDirections; ++dir) {
+      const auto d = offset_of(dir);
+      const auto octant = [&](std::size_t axis) { return static_cast<std::uint32_t>(1 + d[axis]); };
+      if (dir != kSelf && finer >> (std::abs(d[0]) + 2 * std::abs(d[1]) + 4 * std::abs(d[2]) - 1) & 1)
         finest.push_back(morton::interleave({2 * octant(0), 2 * octant(1), 2 * octant(2)}));
-      }
-      const Octree tree = Octree::build(3, finest);
-      const std::array<int, 3> at{corner & 1 ? 32 : 16, corner & 2 ? 32 : 16, corner & 4 ? 32 : 16};
-      ASSERT_EQ(tree.level(tree.find({2, 2, 2})), 1);
-      for (std::uint64_t round = 0; round < 4; ++round) {
-        const std::uint64_t seed = round + 4 * (finer + 128 * static_cast<std::uint64_t>(corner));
-        Noise noise{Engine(seed), round % 2 ? 0.5 : 0.2, kMagnitudes[seed % kMagnitudes.size()]};
-        const auto near_corner = [&](const LatticeNode& n) {
-          const bool near = std::abs(n.x - at[0]) <= 2 && std::abs(n.y - at[1]) <= 2 && std::abs(n.z - at[2]) <= 2;
-          return near ? noise(n) : -1.0;
-        };
-        const auto set = level_set_of<double>(tree, near_corner);
-        SCOPED_TRACE(::testing::Message() << "corner " << corner << " finer " << finer << " seed " << seed);
-        for (const bool snap : {false, true}) {
-          const ExtractedSurface surface = extract_surface(set, {.snap = snap});
-          EXPECT_EQ(flaws_of(surface.soup), "");
-          transition_cells += surface.transition_cells;
-        }
+    }
+    const Octree tree = Octree::build(3, finest);
+    ASSERT_EQ(tree.level(tree.find({2, 2, 2})), 1);
+    for (std::uint64_t round = 0; round < 2; ++round) {
+      const std::uint64_t seed = 2 * finer + round;
+      Noise noise{Engine(seed), round ? 0.5 : 0.2, kMagnitudes[seed % kMagnitudes.size()]};
+      // Around the corners of the leaf from 16 to 32.
+      const auto near = [](int x) { return std::abs(x - 16) <= 2 || std::abs(x - 32) <= 2; };
+      const auto near_corners = [&](const LatticeNode& n) { return near(n.x) && near(n.y) && near(n.z) ? noise(n) : -1.0; };
+      const auto set = level_set_of<double>(tree, near_corners);
+      SCOPED_TRACE(::testing::Message() << "finer " << finer << " seed " << seed);
+      for (const bool snap : {false, true}) {
+        const ExtractedSurface surface = extract_surface(set, {.snap = snap});
+        EXPECT_EQ(flaws_of(surface.soup), "");
+        transition_cells += surface.transition_cells;
       }
     }
-  EXPECT_GT(transition_cells, 10'000u);
+  }
+  EXPECT_GT(transition_cells, 50'000u);
 }
 
 // The sides of a node's 14 neighbours in all 2^14 ways, the node itself close to all its crossings: all answers to
@@ -287,12 +290,13 @@ TEST(Extraction, FarFromTheLatticesOrigin) {
 }
 
 TEST(Extraction, PlainNodesKeepTheSurfaceClosed) {
-  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
     Engine engine(seed);
     const Octree tree = seed % 2 ? Octree::build(1, all_blocks(1)) : random_octree(engine, 3, 4);
-    const auto set = closed_at_walls(level_set_of<float>(tree, Waves(engine, 5)));
+    const auto set = closed_at_walls(level_set_of<float>(tree, away_from_walls(Waves(engine, 5), tree.depth())));
     const ExtractedSurface first = extract_surface(set);
     PlainNodes plain;
+    EXPECT_EQ(first.origins.empty(), first.transition_cells > 0);
     if (first.origins.empty()) {  // transition cells: mark nodes at random instead
       plain.marked = Field<std::uint8_t>(tree.size(), 0);
       for (std::uint8_t& mark : plain.marked.values) mark = engine() % 8 == 0;
@@ -309,8 +313,9 @@ TEST(Extraction, PlainNodesKeepTheSurfaceClosed) {
 // A marked vertex' surroundings are all midpoints of edges.
 TEST(Extraction, PlainVerticesAreMidpoints) {
   Engine engine(3);
-  const auto set = closed_at_walls(level_set_of<float>(Octree::build(1, all_blocks(1)), Waves(engine, 6)));
+  const auto set = level_set_of<float>(Octree::build(1, all_blocks(1)), away_from_walls(Waves(engine, 6), 1));
   const ExtractedSurface first = extract_surface(set);
+  ASSERT_FALSE(first.origins.empty());
   PlainNodes plain;
   mark_plain(set.octree(), first.origins, plain);
   const ExtractedSurface second = extract_surface(set, {.snap = true, .plain = &plain});
@@ -385,29 +390,60 @@ SphereErrors sphere_errors(double radius, bool snap) {
   return errors;
 }
 
-// Volume with order 2, in cells vertices with order 1 (h^2 in the unit of the radius), facet normals with order 1: a chord's.
+// Volume with order 2, facet normals with order 1: a chord's. Vertices are off by the curvature along an edge, 3 / (8 R)
+// cells, and where a crossing keeps from the end of its edge, by 2 % of the edge.
 TEST(Extraction, SphereConverges) {
   for (const bool snap : {false, true}) {
     const SphereErrors coarse = sphere_errors(14, snap), fine = sphere_errors(28, snap);
     RecordProperty(snap ? "snapped" : "unsnapped", std::to_string(fine.volume));
     EXPECT_NEAR(std::log2(coarse.volume / fine.volume), 2, 0.2) << "snap " << snap;
-    EXPECT_NEAR(std::log2(coarse.distance / fine.distance), 1, 0.35) << "snap " << snap;
+    EXPECT_LT(coarse.distance, 3 / (8 * 14.0) + 0.02 * std::sqrt(3.0));
     EXPECT_NEAR(std::log2(coarse.normal / fine.normal), 1, 0.1) << "snap " << snap;
     EXPECT_LT(fine.volume, 1.5e-3);
-    EXPECT_LT(fine.distance, 0.02);
+    EXPECT_LT(fine.distance, 3 / (8 * 28.0) + 0.02 * std::sqrt(3.0));
     EXPECT_LT(fine.normal, 0.02);
   }
 }
 
-// The vertices that stay crossings lie where the field, linear along the edge, is zero; moved nodes too.
-TEST(Extraction, PlaneIsExact) {
-  const Vec3 n{0.36, 0.48, 0.8};
+double smallest_angle(const TriangleSoup& soup, std::size_t f) {
+  double least = 180;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3 a = soup.corner(f, (i + 1) % 3) - soup.corner(f, i), b = soup.corner(f, (i + 2) % 3) - soup.corner(f, i);
+    least = std::min(least, std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi);
+  }
+  return least;
+}
+
+TEST(Extraction, MovedNodesLeaveNoSlivers) {
+  const Vec3 c{32.371, 32.413, 32.297};
+  const auto set = level_set_of<float>(Octree::build(3, all_blocks(3)), [&](const LatticeNode& n) { return 25 - norm(to_vec(n) - c); });
+  const TriangleSoup soup = extract_surface(set).soup;
+  std::vector<double> angles;
+  for (std::size_t f = 0; f < soup.facets.size(); ++f) angles.push_back(smallest_angle(soup, f));
+  std::sort(angles.begin(), angles.end());
+  EXPECT_GT(angles.front(), 7);
+  EXPECT_GT(angles[angles.size() / 100], 12);
+  EXPECT_GT(angles[angles.size() / 2], 35);
+}
+
+// Moved nodes lie where the field, linear along an edge, is zero, and so do crossings in the inner 96 % of their edges.
+TEST(Extraction, PlaneIsExactButForCrossingsKeptFromNodes) {
+  const Vec3 n{0.36, 0.48, 0.8}, middle{7.51, 7.52, 7.53};
   const auto set = level_set_of<double>(Octree::build(1, all_blocks(1)),
-                                        [&](const LatticeNode& at) { return dot(n, to_vec(at) - Vec3{7.5, 7.5, 7.5}); });
+                                        [&](const LatticeNode& at) { return dot(n, to_vec(at) - middle); });
   for (const bool snap : {false, true}) {
     double worst = 0;
-    for (const Vec3& p : extract_surface(set, {.snap = snap}).soup.points) worst = std::max(worst, std::abs(dot(n, p - Vec3{7.5, 7.5, 7.5})));
-    EXPECT_LT(worst, 0.02 * std::sqrt(3.0));  // crossings keep 2 % of their edge from its ends
+    std::size_t exact = 0, seen = 0;
+    for (const Vec3& p : extract_surface(set, {.snap = snap}).soup.points) {
+      if (std::max({p.x, p.y, p.z}) > 13 || std::min({p.x, p.y, p.z}) < 2) continue;  // the plane ends at the walls
+      const double off = std::abs(dot(n, p - middle));
+      worst = std::max(worst, off);
+      exact += off < 1e-14 * 16;
+      ++seen;
+    }
+    EXPECT_GT(seen, 100u);
+    EXPECT_LT(worst, 0.02 * std::sqrt(3.0));
+    EXPECT_GT(static_cast<double>(exact), (snap ? 0.98 : 0.9) * static_cast<double>(seen)) << exact << " of " << seen;
   }
 }
 

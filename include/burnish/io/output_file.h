@@ -23,6 +23,9 @@ class OutputFile {
 
   // Empties the temporary, for writing it anew.
   void truncate();
+  // Writes the temporary's bytes to another open file descriptor, for results that go to standard output. Throws
+  // Error{unwritable_output}, naming `label`, when the system refuses them.
+  void copy_to(int fd, const std::string& label) const;
   // Flushes to disk and renames onto the destination, with the permissions of the file it replaces, or
   // those of a new file.
   // Refuses, as the constructor does, if the destination appeared meanwhile and `overwrite` is false.

@@ -16,7 +16,7 @@ inline constexpr std::uint32_t kNoFacet = 0xffffffffu;
 
 struct DistanceField {
   Field<float> distance;          // in cells; at most `band`
-  Field<std::uint32_t> nearest;   // index of a closest facet, the lowest among equals; kNoFacet beyond the band
+  Field<std::uint32_t> nearest;   // index of a closest facet; kNoFacet beyond the band
 };
 
 // The distance of every node of the octree to the nearest facet, where it is at most `band` cells; `band`

@@ -6,7 +6,7 @@
 namespace burnish {
 
 // The volume of {phi >= 0} in cells cubed (of the finest level), with phi linear in each of a cell's six Kuhn tetrahedra:
-// what `extract_surface` encloses when it moves no nodes. Same bits for any number of threads.
+// what `extract_surface` encloses when it moves no nodes, but for crossings that it keeps from the ends of edges. Same bits for any number of threads.
 template <class T>
 double enclosed_volume(const BasicLevelSet<T>& level_set);
 

@@ -62,6 +62,9 @@ struct Inspection {
 // of them. A count of exactly this many means "at least".
 inline constexpr std::size_t kMaxSelfIntersections = std::size_t{1} << 24;
 
+// The points whose facets form more than one edge-connected fan, ascending.
+std::vector<std::uint32_t> non_manifold_points(const TriangleSoup& welded);
+
 // Inspects a soup as `weld` returns it. Self-intersections are decided by CGAL's exact predicates.
 Inspection inspect(const TriangleSoup& welded, const InspectOptions& options = {},
                    Progress& progress = no_progress());
