@@ -29,7 +29,7 @@ bool cell_is_uniform(const SurfaceOctree& grid, const Field<std::uint8_t>& insid
 }
 
 // Which facets bound the solid. A facet that crosses no lattice edge may, and one beside the boundary is within a
-// cell of it: both are kept.
+// cell of it: both are kept. [T-SIGN-4]
 std::vector<char> boundary_facets(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
                                   const Field<std::uint8_t>& inside, const std::vector<FacetSides>& sides,
                                   LevelSetFromTriangles& result) {
@@ -95,6 +95,7 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   const std::vector<char> active = boundary_facets(lattice_soup, set.grid, classified.inside, sides, result);
   if (result.interior_facets + result.unresolved_facets > 0)
     recompute_without(lattice_soup, set.grid, band, active, field);
+  // [T-FAR-1]
   if (options.far_field) spread_far_field(lattice_soup, set.grid, field, progress);
   set.phi = std::move(field.distance);
   parallel_for(set.phi.values.size(), [&](std::size_t i) {

@@ -19,7 +19,7 @@ Vec3 position(const Octree& tree, std::size_t leaf, std::size_t node) {
   return {static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)};
 }
 
-// The connected pieces of single blocks, numbered through all blocks.
+// The connected pieces of single blocks, numbered through all blocks. [T-SIGN-2]
 struct Pieces {
   Field<std::uint16_t> label;        // of a node within its block
   std::vector<std::uint64_t> first;  // number of a block's first piece; size: leaves + 1
@@ -162,6 +162,7 @@ struct Verdict {
     low = std::min(low, w);
     high = std::max(high, w);
   }
+  // [T-SIGN-3]
   bool clear() const { return high < kOutside || low > kInside; }
   bool inside() const { return low > kInside; }
 };

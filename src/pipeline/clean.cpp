@@ -18,6 +18,7 @@ namespace burnish {
 namespace {
 
 constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
+constexpr double kNegligibleArea = 1e-4;  // of the input's: unresolved details beyond this are worth a warning
 constexpr double kVolumeKept = 1e-3;   // drift of the volume beyond which the user is told
 constexpr double kUnsmoothedBand = 3;  // cells of exact distances around the surface
 constexpr double kDomainMargin = 11;   // cells between the band and the walls
@@ -94,11 +95,13 @@ class Run {
     LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, set, progress_);
     report_.actions.ambiguous_regions = built.ambiguous_regions;
     report_.actions.interior_facets_ignored = built.interior_facets;
-    if (built.unresolved_facets > 0)
+    report_.actions.unresolved_facets = built.unresolved_facets;
+    report_.actions.unresolved_area = built.unresolved_area * options.cell * options.cell;
+    if (report_.actions.unresolved_area > kNegligibleArea * report_.before.area)
       report_.warnings.push_back(
           fmt::format("{} facets ({:.3g} of area) bound sheets or walls thinner than a cell of {:.4g} and are not in the result; "
                       "choose a smaller --cell if they matter",
-                      built.unresolved_facets, built.unresolved_area * options.cell * options.cell, options.cell));
+                      built.unresolved_facets, report_.actions.unresolved_area, options.cell));
     level_set_ = std::move(built.level_set);
     const Octree& tree = level_set_.octree();
     report_.grid.blocks = tree.size();

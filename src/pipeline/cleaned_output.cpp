@@ -68,6 +68,7 @@ void CleanedOutput::write(const TriangleSoup& soup) {
 }
 
 Inspection CleanedOutput::write_verified(const LevelSet& level_set, Progress& progress) {
+  // [T-MT-5]
   PlainNodes plain;
   for (int round = 0;; ++round) {
     ExtractedSurface surface = extract_surface(level_set, {.snap = true, .plain = round ? &plain : nullptr}, progress);

@@ -40,7 +40,7 @@ double open_share(const TriangleSoup& soup) {
   return table.size() ? static_cast<double>(open) / static_cast<double>(table.size()) : 0;
 }
 
-// 36 pi V^2 / A^3: 1 for a ball, 0 for what is flat.
+// 36 pi V^2 / A^3: 1 for a ball, 0 for what is flat. [T-SHEET-1]
 double isoperimetric_quotient(const TriangleSoup& soup) {
   const double a = area(soup), v = signed_volume(soup);
   return a > 0 ? 36 * std::numbers::pi * v * v / (a * a * a) : 0;
@@ -57,6 +57,7 @@ TriangleSoup drop_useless_facets(const TriangleSoup& soup, RepairActions& action
 
 TriangleSoup prepare_input(const TriangleSoup& welded, RepairActions& actions) {
   TriangleSoup soup = drop_useless_facets(welded, actions);
+  // [T-WELD-2]
   if (open_share(soup) > kUnmatchedShare) {
     const double tolerance = kWeldShare * median_edge(soup);
     WeldedNear near = weld_boundaries(soup, tolerance);

@@ -73,6 +73,8 @@ Json json_of(const RepairActions& a) {
       {"cap_area", a.cap_area},
       {"ambiguous_regions", a.ambiguous_regions},
       {"interior_facets_ignored", a.interior_facets_ignored},
+      {"unresolved_facets", a.unresolved_facets},
+      {"unresolved_area", a.unresolved_area},
       {"components_lost", a.components_lost},
       {"area_lost", a.area_lost},
   };

@@ -40,6 +40,7 @@ double mean_thickness(const TriangleSoup& prepared) {
   return a > 0 ? 2 * std::abs(signed_volume(prepared)) / a : 0;
 }
 
+// [T-CELL-1]
 double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth) {
   const double wanted = std::min(mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross);
   const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));

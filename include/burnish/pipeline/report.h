@@ -27,6 +27,8 @@ struct RepairActions {
   double cap_area = 0;                    // model units squared
   std::size_t ambiguous_regions = 0;      // whose side had to be decided node by node
   std::size_t interior_facets_ignored = 0;  // of overlapping bodies: no part of the outer surface
+  std::size_t unresolved_facets = 0;      // of sheets, or details thinner than a cell, that the result does not show
+  double unresolved_area = 0;             // theirs, model units squared
   std::size_t components_lost = 0;        // of the input, that the result has nothing of
   double area_lost = 0;                   // of theirs, model units squared
 };
