@@ -9,8 +9,8 @@
 namespace burnish {
 namespace {
 
-constexpr std::size_t kMostCandidates = 48;
-constexpr std::array<int, 2> kSampled{0, 7};  // along each axis of a neighbour
+constexpr std::size_t kMostCandidates = 128;
+constexpr std::array<int, 4> kSampled{0, 2, 5, 7};  // along each axis of a neighbour
 
 void add_sampled(const DistanceField& field, std::size_t leaf, std::vector<std::uint32_t>& candidates) {
   const std::uint32_t* nearest = field.nearest.block(leaf);

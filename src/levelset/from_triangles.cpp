@@ -14,39 +14,53 @@
 namespace burnish {
 namespace {
 
-// Whether the corners of the cell that holds point p are all on one side.
-bool cell_is_uniform(const SurfaceOctree& grid, const Field<std::uint8_t>& inside, const Vec3& p) {
-  const std::array<std::int32_t, 3> low{static_cast<std::int32_t>(std::floor(p.x)), static_cast<std::int32_t>(std::floor(p.y)),
-                                        static_cast<std::int32_t>(std::floor(p.z))};
-  int count = 0;
-  for (int c = 0; c < 8; ++c) {
-    const std::array<std::int32_t, 3> at{low[0] + (c & 1), low[1] + (c >> 1 & 1), low[2] + (c >> 2 & 1)};
-    const auto block = [&](std::size_t a) { return static_cast<std::uint32_t>(at[a]) / kBlockSide; };
-    const std::size_t leaf = grid.octree.find({block(0), block(1), block(2)});
-    count += inside.block(leaf)[node_index(at[0] % kBlockSide, at[1] % kBlockSide, at[2] % kBlockSide)];
-  }
-  return count == 0 || count == 8;
+// Whether the node at or below p along each axis is inside.
+bool is_inside_at(const SurfaceOctree& grid, const Field<std::uint8_t>& inside, const Vec3& p) {
+  const std::array<std::int32_t, 3> at{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)};
+  const auto block = [&](std::size_t a) { return static_cast<std::uint32_t>(at[a]) / kBlockSide; };
+  const std::size_t leaf = grid.octree.find({block(0), block(1), block(2)});
+  return inside.block(leaf)[node_index(at[0] % kBlockSide, at[1] % kBlockSide, at[2] % kBlockSide)] != 0;
 }
 
-// Which facets bound the solid. A facet that crosses no lattice edge may, and one beside the boundary is within a
-// cell of it: both are kept. [T-SIGN-4]
+// Whether the nodes of the cell that holds point p, and of `around` layers of cells about it, are all on one side.
+bool is_uniform_around(const SurfaceOctree& grid, const Field<std::uint8_t>& inside, const Vec3& p, int around) {
+  const auto is_inside = [&](int i, int j, int k) {
+    return is_inside_at(grid, inside, {std::floor(p.x) + i, std::floor(p.y) + j, std::floor(p.z) + k});
+  };
+  const bool first = is_inside(0, 0, 0);
+  for (int k = -around; k <= 1 + around; ++k)
+    for (int j = -around; j <= 1 + around; ++j)
+      for (int i = -around; i <= 1 + around; ++i)
+        if (is_inside(i, j, k) != first) return false;
+  return true;
+}
+
+// Which facets bound the solid: not those that cross lattice edges but separate nothing, in a cell that the boundary
+// does not cut. Where there are such facets, smaller ones that cross no edge at all are judged by the cells around.
+// [T-SIGN-4]
 std::vector<char> boundary_facets(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
                                   const Field<std::uint8_t>& inside, const std::vector<FacetSides>& sides,
                                   LevelSetFromTriangles& result) {
   std::vector<char> active(sides.size(), 1);
-  for (std::size_t f = 0; f < sides.size(); ++f) {
-    const FacetSides& s = sides[f];
-    if (s.separates || !(s.within_inside || s.within_outside)) continue;
-    const Vec3 centroid = (lattice_soup.corner(f, 0) + lattice_soup.corner(f, 1) + lattice_soup.corner(f, 2)) / 3.0;
-    if (!cell_is_uniform(grid, inside, centroid)) continue;
+  const auto centroid = [&](std::size_t f) {
+    return (lattice_soup.corner(f, 0) + lattice_soup.corner(f, 1) + lattice_soup.corner(f, 2)) / 3.0;
+  };
+  const auto leave_out = [&](std::size_t f, bool is_inside) {
     active[f] = 0;
-    if (s.within_inside) {
+    if (is_inside) {
       ++result.interior_facets;
     } else {
       ++result.unresolved_facets;
       result.unresolved_area += 0.5 * norm(facet_normal_2a(lattice_soup, f));
     }
-  }
+  };
+  for (std::size_t f = 0; f < sides.size(); ++f)
+    if (!sides[f].separates && sides[f].crosses() && is_uniform_around(grid, inside, centroid(f), 0))
+      leave_out(f, sides[f].within_inside);
+  if (result.interior_facets == 0) return active;
+  for (std::size_t f = 0; f < sides.size(); ++f)
+    if (!sides[f].crosses() && is_uniform_around(grid, inside, centroid(f), 1) && is_inside_at(grid, inside, centroid(f)))
+      leave_out(f, true);
   return active;
 }
 

@@ -18,6 +18,8 @@ constexpr std::size_t kDense = std::size_t{kSide} * kSide * kSide;
 constexpr int kNewtonSteps = 12;
 constexpr double kConverged = 1e-6;  // cells
 constexpr double kReach = 1.9;       // cells from a node to its closest point; the tricubic stencil allows two
+constexpr double kNewtonZone = 1.7;  // cells: nodes that seem to be this near are projected themselves
+constexpr double kRadiusStep = 0.5;  // cells: less than the step to some neighbour that is closer to the surface
 constexpr float kUnknown = std::numeric_limits<float>::infinity();
 constexpr std::size_t kGrain = 8;
 
@@ -102,9 +104,8 @@ class Redistancer {
 
   void run() {
     project_near_nodes();
-    const int layers = static_cast<int>(std::ceil(reach_));
-    for (int layer = 0; layer < layers; ++layer)
-      if (!propagate()) break;
+    // A node settles once the radius has come to it: by then the nodes between it and the surface have.
+    for (double radius = 1; radius <= reach_ + kRadiusStep; radius += kRadiusStep) propagate(radius);
     store();
   }
 
@@ -130,9 +131,10 @@ class Redistancer {
     for (int k = 0; k < kBlockSide; ++k)
       for (int j = 0; j < kBlockSide; ++j)
         for (int i = 0; i < kBlockSide; ++i, ++out) {
-          if (!touches_cut_cell(phi, i, j, k)) continue;
+          const bool cut = touches_cut_cell(phi, i, j, k);
+          if (!cut && std::abs(phi[dense_index(i, j, k)]) > kNewtonZone) continue;
           *out = newton_closest_point(phi, i, j, k);
-          if (!out->known()) *out = closest_edge_crossing(phi, i, j, k);
+          if (cut && !out->known()) *out = closest_edge_crossing(phi, i, j, k);
         }
   }
 
@@ -190,12 +192,10 @@ class Redistancer {
     return growing;
   }
 
-  // Gives unknown nodes beside known ones the best of their neighbours' closest points. Returns whether any changed.
-  // [T-REDIST-3]
-  bool propagate() {
+  // Gives unknown nodes the best of their neighbours' closest points, if it is within the radius. [T-REDIST-3]
+  void propagate(double radius) {
     const std::vector<std::uint32_t> growing = growing_leaves();
     std::vector<std::array<Offset, kBlockNodes>> next(growing.size());
-    std::vector<char> changed(growing.size(), 0);
     parallel_ranges(growing.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
       constexpr int side = kBlockSide + 2;
@@ -203,22 +203,20 @@ class Redistancer {
       for (std::size_t g = begin; g < end; ++g) {
         gather_offsets(growing[g], dense.data());
         std::copy_n(&offsets_[growing[g] * kBlockNodes], kBlockNodes, next[g].begin());
-        changed[g] = propagate_block(dense.data(), next[g].data());
+        propagate_block(dense.data(), static_cast<float>(radius), next[g].data());
       }
     });
     parallel_for(
         growing.size(), [&](std::size_t g) { std::copy(next[g].begin(), next[g].end(), &offsets_[growing[g] * kBlockNodes]); }, 64);
-    return std::any_of(changed.begin(), changed.end(), [](char c) { return c != 0; });
   }
 
-  static bool propagate_block(const Offset* dense, Offset* out) {
+  static void propagate_block(const Offset* dense, float radius, Offset* out) {
     constexpr int side = kBlockSide + 2;
-    bool changed = false;
     for (int k = 0; k < kBlockSide; ++k)
       for (int j = 0; j < kBlockSide; ++j)
         for (int i = 0; i < kBlockSide; ++i, ++out) {
           if (out->known()) continue;
-          float least = kUnknown;
+          float least = radius * radius;
           for (int dz = -1; dz <= 1; ++dz)
             for (int dy = -1; dy <= 1; ++dy)
               for (int dx = -1; dx <= 1; ++dx) {
@@ -230,9 +228,7 @@ class Redistancer {
                 least = d2;
                 *out = {x, y, z};
               }
-          changed = changed || out->known();
         }
-    return changed;
   }
 
   void store() {

@@ -66,9 +66,9 @@ TEST(Redistance, BallsConvergeWithSecondOrderBesideTheSurface) {
   EXPECT_GE(order(e8.near, e16.near), 2) << e8.near << " -> " << e16.near;
   EXPECT_GE(order(e16.near, e32.near), 2) << e16.near << " -> " << e32.near;
   // Farther out a node has a neighbour's closest point, beside its own: in cells the error stays what it is.
-  EXPECT_LE(e8.band * 8, 0.5);
-  EXPECT_LE(e16.band * 16, 0.5);
-  EXPECT_LE(e32.band * 32, 0.5);
+  EXPECT_LE(e8.band * 8, 0.25);
+  EXPECT_LE(e16.band * 16, 0.2);
+  EXPECT_LE(e32.band * 32, 0.2);
   // In cells: phi at the surface's nodes, and by how much edges' crossings are off (which are linear: h^2 kappa / 8).
   EXPECT_LE(e16.near * 16, 1e-3);
   EXPECT_LE(e32.near * 32, 1e-4);
@@ -87,7 +87,7 @@ TEST(Redistance, ToriToo) {
   const Errors coarse = torus_errors(16, 4), fine = torus_errors(32, 4);
   RecordProperty("order_near", std::to_string(order(coarse.near, fine.near)));
   EXPECT_GE(order(coarse.near, fine.near), 2) << coarse.near << " -> " << fine.near;
-  EXPECT_LE(fine.band * 32, 0.5);
+  EXPECT_LE(fine.band * 32, 0.2);
 }
 
 // Again and again: what moves is far below a cell, in float too.

@@ -23,6 +23,8 @@ struct FacetSides {
   bool separates = false;       // some edge has one end inside, the other outside
   bool within_inside = false;   // some edge has both ends inside
   bool within_outside = false;  // some edge has both ends outside
+
+  bool crosses() const { return separates || within_inside || within_outside; }
 };
 
 // For every facet, over all lattice edges that it crosses. `inside`: 1 for nodes inside, 0 outside.

@@ -3,7 +3,7 @@
 // Lattice nodes joined by edges that no facet crosses form *regions*; the surface as given separates them,
 // however it is oriented or doubled. Each region is sampled with the generalised winding number (one sample
 // per cube of 2 x 2 x 2 blocks, at the node farthest from the surface). After the boundary has been
-// capped (surface/boundary_caps.h) samples agree to about 1e-3 and the region gets one sign. A region whose
+// capped (surface/boundary_caps.h) samples agree to a few hundredths and the region gets one sign. A region whose
 // samples disagree leaks: its blocks are decided one by one, and node by node where a block disagrees with
 // itself too.
 #pragma once

@@ -60,7 +60,7 @@ class TriangleIndex {
                       std::uint32_t end);
   void compute_moments();
 
-  static constexpr double kBeta = 2.0;
+  static constexpr double kBeta = 3.0;
   std::vector<Node> nodes_;
   std::vector<Moments> moments_;
   std::vector<std::uint32_t> facet_ids_;          // slot -> facet of the soup
