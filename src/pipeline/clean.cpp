@@ -18,6 +18,7 @@ namespace burnish {
 namespace {
 
 constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
+constexpr double kLargeCaps = 0.1;        // of the input's area: caps beyond this are worth a warning
 constexpr double kNegligibleArea = 1e-4;  // of the input's: unresolved details beyond this are worth a warning
 constexpr double kVolumeKept = 1e-3;   // drift of the volume beyond which the user is told
 constexpr double kUnsmoothedBand = 3;  // cells of exact distances around the surface
@@ -74,6 +75,10 @@ class Run {
     begin("repairing");
     prepared_ = prepare_input(input_, report_.actions);
     report_.failure = reason_for_no_solid(input_, prepared_, report_.before, report_.actions);
+    const double cap_share = report_.actions.cap_area / std::max(report_.before.area, 1e-300);
+    if (!report_.failure && cap_share > kLargeCaps)
+      report_.warnings.push_back(fmt::format("closing the {} open loops added {:.0f} % to the area; if the model is meant to be open there, "
+                                             "this solid is not what you want", report_.actions.open_loops_capped, 100 * cap_share));
     return !report_.failure;
   }
 

