@@ -414,5 +414,43 @@ TEST_F(Pipeline, SmoothingStaysWithinTheDeviationAskedFor) {
   RecordProperty("deviation", std::to_string(report.deviation.output_to_input.max) + " free " + std::to_string(free) + " unsmoothed " + std::to_string(unsmoothed));
 }
 
+// Bounds beyond the band of exact distances hold as well: a ball that the flow alone would make vanish.
+TEST_F(Pipeline, LargeDeviationsAreBoundsToo) {
+  CleanOptions options = at_resolution(24);
+  options.smooth = {30, LengthUnit::cells};
+  EXPECT_FALSE(run(icosphere(3), options).verified);
+  options.deviation = Length{6, LengthUnit::cells};
+  const RepairReport report = run(icosphere(3), options);
+  EXPECT_TRUE(report.verified);
+  EXPECT_LE(report.deviation.input_to_output.max, 6.2 * report.options.cell);
+}
+
+TEST_F(Pipeline, SmoothingAwayTheModelWritesNothing) {
+  CleanOptions options = at_resolution(24);
+  options.smooth = {40, LengthUnit::cells};
+  CleanJob vanishing = job(folder_.write("in.stl", icosphere(2)), options);
+  vanishing.allow_invalid = true;
+  const RepairReport report = clean(vanishing);
+  ASSERT_TRUE(report.failure);
+  EXPECT_EQ(report.failure->code(), ErrorCode::guarantee_unmet);
+  EXPECT_NE(report.failure->hint().find("--smooth"), std::string::npos);
+  EXPECT_FALSE(report.written);
+}
+
+// Areas of such a model overflow: it has to be refused before a sum of them decides anything.
+TEST_F(Pipeline, SizesBeyondDoublePrecisionAreRefused) {
+  for (const double size : {1e100, 1e-100}) {
+    SCOPED_TRACE(size);
+    const std::string in = folder_.write("huge.obj", scaled(without_facets(icosphere(1), {0, 1, 2, 3}), size));
+    try {
+      clean(job(in, at_resolution(24)));
+      FAIL() << "taken";
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::unreadable_input);
+      EXPECT_FALSE(error.hint().empty());
+    }
+  }
+}
+
 }  // namespace
 }  // namespace burnish
