@@ -7,12 +7,16 @@
 
 #include "burnish/core/error.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/surface/edge_table.h"
 
 namespace burnish {
 namespace {
 
 constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
 constexpr double kCellsAcross = 6;             // of the mean thickness
+constexpr double kCreaseShare = 0.3;           // of the surface may lie within a cell's width along creases
+constexpr double kCreaseCosine = 0.766;        // of the angle between normals, 40 degrees: sharper edges are creases
+constexpr double kLeastHeight = 0.01;          // of a facet over its edge: flatter ones have no reliable normal
 constexpr double kCellsPerWave = 12;           // of the smoothing length: what is shorter will be gone
 constexpr double kCoarsestSmoothed = 1.0 / 150;
 constexpr double kMostCells = 1e6;             // of surface: about three million facets
@@ -40,9 +44,28 @@ double mean_thickness(const TriangleSoup& prepared) {
   return a > 0 ? 2 * std::abs(signed_volume(prepared)) / a : 0;
 }
 
+// Length of the edges at which two facets meet at more than 40 degrees. Cells round creases off, so a surface that is
+// all creases needs smaller ones.
+double crease_length(const TriangleSoup& soup) {
+  const EdgeTable table(soup);
+  double length = 0;
+  for (std::size_t e = 0; e < table.size(); ++e) {
+    const auto uses = table.uses(e);
+    if (uses.size() != 2) continue;
+    const Vec3 m = facet_normal_2a(soup, uses[0].facet), n = facet_normal_2a(soup, uses[1].facet);
+    const double edge2 = squared_norm(soup.points[table.edge(e)[0]] - soup.points[table.edge(e)[1]]);
+    const double lm = norm(m), ln = norm(n);
+    if (std::min(lm, ln) < kLeastHeight * edge2) continue;
+    const double cosine = dot(m, n) / (lm * ln);
+    if ((table.is_misoriented(e) ? -cosine : cosine) < kCreaseCosine) length += std::sqrt(edge2);
+  }
+  return length;
+}
+
 // [T-CELL-1]
 double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth) {
-  const double wanted = std::min(mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross);
+  const double at_creases = kCreaseShare * area(prepared) / std::max(crease_length(prepared), area(prepared) / diagonal);
+  const double wanted = std::min({mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross, at_creases});
   const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));
   const double cell = std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
   if (smooth.unit == LengthUnit::cells) return cell;

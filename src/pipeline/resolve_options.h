@@ -10,8 +10,8 @@
 
 namespace burnish {
 
-// Resolves the options for a prepared soup. Default cell: the mean edge or a sixth of the mean thickness (2 V / A),
-// whichever is less, but no more than 1/300 and no less than 1/1000 of the diagonal, nor so fine that the
+// Resolves the options for a prepared soup. Default cell: the least of the mean edge, a sixth of the mean thickness
+// (2 V / A), and 0.3 of the area per length of creases; but no more than 1/300 and no less than 1/1000 of the diagonal, nor so fine that the
 // surface has more than a million cells, and as coarse as the memory budget asks. With
 // smoothing it need not be finer than a twelfth of that length (up to 1/150 of the diagonal). What had to give way is added to `warnings`.
 // Throws Error{memory_limit} if an explicit cell does not fit the budget, Error{usage} if a length makes no sense.
