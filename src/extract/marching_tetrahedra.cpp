@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <memory>
+#include <utility>
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/weld.h"

@@ -138,7 +138,7 @@ class Redistancer {
         }
   }
 
-  // Copies the offsets of a leaf and one layer around it; nodes of leaves that are not near stay unknown.
+  // Copies the offsets of a leaf and one layer around it; nodes of coarser leaves stay unknown.
   void gather_offsets(std::size_t slot, Offset* dense) const {
     constexpr int side = kBlockSide + 2;
     for (int dir = 0; dir < kDirections; ++dir) {
@@ -249,7 +249,7 @@ class Redistancer {
   const Octree& tree_;
   const double reach_;
   Progress& progress_;
-  std::vector<std::uint32_t> leaves_;  // near the surface
+  std::vector<std::uint32_t> leaves_;  // of level 0
   std::vector<std::uint32_t> slot_;    // leaf -> place among them
   std::vector<Offset> offsets_;
 };

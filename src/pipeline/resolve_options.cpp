@@ -29,10 +29,17 @@ double band_of(const Length& smooth, double diagonal, double cell) {
   return length > 0 ? kFlowBand + room_for_smoothing(length / cell) : 3;
 }
 
-// The finest cell up to `coarsest` that fits the budget.
+std::uint64_t bytes_for(std::size_t facets, double surface_area, double cell, double band) {
+  const double cells = surface_area / (cell * cell);
+  const double bytes = kBytesPerFacet * static_cast<double>(facets) + cells * (kBytesPerCell + kBytesPerCellAndBand * band);
+  return static_cast<std::uint64_t>(std::min(bytes, 0x1p62));
+}
+
+// The finest cell from `cell` upwards that fits the budget.
 double fitted_cell(const CleanOptions& asked, const TriangleSoup& prepared, double diagonal, double cell) {
+  const double surface_area = area(prepared);
   for (int i = 0; i < 200; ++i) {
-    if (planned_bytes(prepared, cell, band_of(asked.smooth, diagonal, cell)) <= asked.memory_bytes) break;
+    if (bytes_for(prepared.facets.size(), surface_area, cell, band_of(asked.smooth, diagonal, cell)) <= asked.memory_bytes) break;
     cell *= 1.05;
   }
   return cell;
@@ -83,10 +90,7 @@ double asked_cell(const CleanOptions& asked, const Box3& box) {
 }  // namespace
 
 std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double band) {
-  const double cells = area(prepared) / (cell * cell);
-  const double bytes = kBytesPerFacet * static_cast<double>(prepared.facets.size()) +
-                       cells * (kBytesPerCell + kBytesPerCellAndBand * band);
-  return static_cast<std::uint64_t>(std::min(bytes, 0x1p62));
+  return bytes_for(prepared.facets.size(), area(prepared), cell, band);
 }
 
 ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& prepared, std::vector<std::string>& warnings) {
