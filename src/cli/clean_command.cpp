@@ -84,9 +84,31 @@ class CleanCommand : public Command {
          store_text(report_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},
+        {"--method", 0, "M", "Repair",
+         "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
+         [&o](const GivenValue& v) { o.method = one_of<Method>(v, {"auto", "local", "levelset"}); }},
+        {"--nested", 0, "N", "Repair",
+         "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
+         [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
+        {"--gap", 0, "L", "Repair", "Close cracks up to a width of L by joining the points on both sides.",
+         [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+        {"--max-hole", 0, "L", "Openings", "Close holes up to a diameter of L; wider openings stay.",
+         [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
+        {"--keep-openings", 0, "", "Openings", "Close no opening: terrain and one-sided scans stay open sheets.",
+         switch_on(o.keep_openings)},
+        {"--thicken", 0, "T", "Openings", "Make a shell of thickness T about the surface, open or not.",
+         [&o](const GivenValue& v) { o.thicken = length_without_cells(v); }},
+        {"--keep-largest", 0, "", "Components", "Keep only the component with the largest volume.", switch_on(o.keep_largest)},
+        {"--min-component", 0, "V", "Components",
+         "Drop components with less volume than V, such as 0.5 or 1% (of the largest one's).",
+         [&o](const GivenValue& v) { o.min_component = volume_limit(v); }},
+        {"--recentre", 0, "", "Output", "Move the model to the origin: for coordinates too large for an STL.",
+         switch_on(o.recentre)},
         {"--cell", 0, "L", "Resolution",
-         "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model when not given.",
-         [&o](const GivenValue& v) { o.cell = cell_length(v); }},
+         "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
+         [&o](const GivenValue& v) {
+           if (v.text != "auto") o.cell = length_without_cells(v);
+         }},
         {"--resolution", 0, "N", "Resolution",
          "Cells along the longest side (8 to 100000), instead of --cell.",
          [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
@@ -122,6 +144,13 @@ class CleanCommand : public Command {
     if (job_.options.cell && job_.options.resolution) {
       refuse("--cell and --resolution exclude each other", "give one of the two");
     }
+    if (job_.options.keep_openings && job_.options.max_hole) {
+      refuse("--keep-openings and --max-hole exclude each other", "give one of the two");
+    }
+    if (job_.options.thicken && job_.options.keeps_openings()) {
+      refuse("--thicken makes a closed shell: there are no openings to keep", "leave out one of the two");
+    }
+    if (job_.options.method == Method::local) require_local();
     if (job_.output == "-" && json_) {
       refuse("-o - and --json would both use standard output",
              "write the report to a file with --report FILE");
@@ -135,6 +164,14 @@ class CleanCommand : public Command {
     }
     if (quiet_ && verbose_) refuse("-q and -v exclude each other", "");
     if (job_.output != "-") static_cast<void>(format_for_writing(job_.output));
+  }
+
+  // What only the level set can do, beside --method local.
+  void require_local() const {
+    const CleanOptions& o = job_.options;
+    const std::string_view clash = o.smooth.value > 0 ? "--smooth" : o.thicken ? "--thicken" : o.cell ? "--cell" : o.resolution ? "--resolution" : "";
+    if (clash.empty()) return;
+    throw Error(ErrorCode::usage, fmt::format("{} is a matter of the level set, and --method local excludes it", clash), "leave out one of the two");
   }
 
   static bool same_file(const std::string& a, const std::string& b) {

@@ -31,6 +31,7 @@ const std::vector<Row>& rows() {
       count_row("non-manifold edges", &Defects::non_manifold_edges),
       count_row("non-manifold points", &Defects::non_manifold_points),
       count_row("misoriented edges", &Defects::misoriented_edges),
+      count_row("misnested shells", &Defects::misnested_shells),
       count_row("degenerate facets", &Defects::degenerate_facets),
       count_row("duplicate facets", &Defects::duplicate_facets),
       {"self-intersections",
@@ -72,13 +73,15 @@ std::string defects_table(const RepairReport& report, bool has_after) {
 }
 
 std::string verdict(const RepairReport& report) {
-  if (report.verified && report.written) return fmt::format("{}: a valid solid", report.output);
+  if (report.verified && report.written)
+    return fmt::format("{}: {}", report.output, report.is_sheet ? "a valid open sheet" : "a valid solid");
   if (!report.written) return fmt::format("{}: not written", report.output);
   const std::string found = problems(report.after);
   return fmt::format("{}: written, but not verified{}{}", report.output, found.empty() ? "" : ": ", found);
 }
 
 std::string options_details(const ResolvedOptions& options) {
+  if (options.cell <= 0) return {};
   std::string text =
       fmt::format("\n{:<{}}{:.6g}{}, {:.4g} along the longest side\n", "cell", kLabelWidth, options.cell,
                   options.cell_was_chosen ? " (chosen)" : "", options.cells_along_longest_side);
@@ -94,12 +97,18 @@ std::string actions_details(const RepairActions& a) {
   };
   line("degenerate facets dropped", a.degenerate_facets_dropped);
   line("duplicate facets dropped", a.duplicate_facets_dropped);
+  line("wall facets dropped", a.wall_facets_dropped);
   line("points welded by tolerance", a.points_welded_within_tolerance);
   line("facets flipped", a.facets_flipped);
   line("open loops capped", a.open_loops_capped);
   line("ambiguous regions", a.ambiguous_regions);
   line("interior facets ignored", a.interior_facets_ignored);
   line("components lost", a.components_lost);
+  line("needles flipped away", a.needles_flipped);
+  line("points split", a.points_split);
+  line("intersecting pairs removed", a.intersecting_pairs_removed);
+  line("facets removed", a.facets_removed);
+  line("facets added", a.facets_added);
   return text.empty() ? text : "\n" + text;
 }
 
@@ -112,11 +121,17 @@ std::string stages_details(const std::vector<StageCost>& stages) {
   return text;
 }
 
+std::string method_line(const RepairReport& report) {
+  if (report.method.empty()) return {};
+  return fmt::format("{:<{}}{}: {}\n", "method", kLabelWidth, report.method, report.method_reason);
+}
+
 std::string details_of(const RepairReport& report) {
-  return options_details(report.options) +
-         fmt::format("{:<{}}{} of 8 x 8 x 8 cells, {} of them finest, {} levels\n", "blocks", kLabelWidth,
-                     report.grid.blocks, report.grid.finest_blocks, report.grid.levels) +
-         actions_details(report.actions) + stages_details(report.stages);
+  std::string grid;
+  if (report.grid.blocks > 0)
+    grid = fmt::format("{:<{}}{} of 8 x 8 x 8 cells, {} of them finest, {} levels\n", "blocks", kLabelWidth, report.grid.blocks,
+                       report.grid.finest_blocks, report.grid.levels);
+  return options_details(report.options) + grid + actions_details(report.actions) + stages_details(report.stages);
 }
 
 }  // namespace
@@ -134,6 +149,7 @@ std::string problems(const Defects& d) {
   add(d.misoriented_edges, "misoriented edge", "misoriented edges");
   add(d.degenerate_facets, "degenerate facet", "degenerate facets");
   add(d.duplicate_facets, "duplicate facet", "duplicate facets");
+  add(d.misnested_shells, "misnested shell", "misnested shells");
   add(d.self_intersecting_pairs, "self-intersecting pair", "self-intersecting pairs");
   if (!text.empty() || d.valid_solid()) return text;
   if (!d.self_intersections_counted) return "self-intersections were not looked for";
@@ -160,6 +176,7 @@ std::string clean_summary(const RepairReport& report, double wall_seconds, bool 
     text += deviation_line("input -> output", report.deviation.input_to_output, diagonal);
     text += deviation_line("output -> input", report.deviation.output_to_input, diagonal);
   }
+  text += method_line(report);
   if (details) text += details_of(report) + '\n';
   return text + fmt::format("{} ({:.1f} s)\n", verdict(report), wall_seconds);
 }

@@ -2,10 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
 #include "burnish/core/error.h"
+#include "suggest.h"
 
 namespace burnish {
 namespace {
@@ -38,13 +40,26 @@ Length positive_length(const GivenValue& given) {
   return *length;
 }
 
-Length cell_length(const GivenValue& given) {
+Length length_without_cells(const GivenValue& given) {
   const Length length = positive_length(given);
   if (length.unit == LengthUnit::cells) {
-    refuse(given, "a cell's side cannot be given in cells",
+    refuse(given, "this length cannot be given in cells",
            "write it as 0.5 (the model's units) or 0.2% (of the diagonal)");
   }
   return length;
+}
+
+VolumeLimit volume_limit(const GivenValue& given) {
+  const bool percent = given.text.ends_with('%');
+  const GivenValue digits{given.name, percent ? given.text.substr(0, given.text.size() - 1) : given.text};
+  return {non_negative_number(digits), percent};
+}
+
+std::size_t place_among(const GivenValue& given, const std::vector<std::string>& words) {
+  const auto at = std::find(words.begin(), words.end(), given.text);
+  if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
+  const auto near = nearest(given.text, words);
+  refuse(given, fmt::format("expected one of {}", fmt::join(words, ", ")), near ? fmt::format("did you mean '{}'?", *near) : std::string());
 }
 
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most) {

@@ -4,17 +4,29 @@
 // Reading is independent of the locale.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
+#include <string>
+#include <vector>
 
 #include "burnish/core/length.h"
+#include "burnish/pipeline/options.h"
 #include "command_line.h"
 
 namespace burnish {
 
 // A length greater than zero, in any unit.
 Length positive_length(const GivenValue& given);
-// A cell's side: greater than zero, and not in cells.
-Length cell_length(const GivenValue& given);
+// A cell's side, or what is needed before there are cells: greater than zero, and not in cells.
+Length length_without_cells(const GivenValue& given);
+// A volume not below zero, in the model's units or in percent of the largest component's.
+VolumeLimit volume_limit(const GivenValue& given);
+// The number of the word among `words`; an enumerator of T, whose order is theirs.
+std::size_t place_among(const GivenValue& given, const std::vector<std::string>& words);
+template <class T>
+T one_of(const GivenValue& given, const std::vector<std::string>& words) {
+  return static_cast<T>(place_among(given, words));
+}
 // A whole number within [least, most].
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most);
 // A finite number that is not negative.

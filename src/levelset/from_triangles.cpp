@@ -35,18 +35,17 @@ bool is_uniform_around(const SurfaceOctree& grid, const Field<std::uint8_t>& ins
   return true;
 }
 
-// Which facets bound the solid: not those that cross lattice edges but separate nothing, in a cell that the boundary
+// What each facet is to the solid. No part of its surface are those that cross lattice edges but separate nothing, in a cell that the boundary
 // does not cut. Where there are such facets, smaller ones that cross no edge at all are judged by the cells around.
 // [T-SIGN-4]
-std::vector<char> boundary_facets(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
-                                  const Field<std::uint8_t>& inside, const std::vector<FacetSides>& sides,
-                                  LevelSetFromTriangles& result) {
-  std::vector<char> active(sides.size(), 1);
+void assign_roles(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, const Field<std::uint8_t>& inside,
+                  const std::vector<FacetSides>& sides, LevelSetFromTriangles& result) {
+  result.roles.assign(sides.size(), FacetRole::boundary);
   const auto centroid = [&](std::size_t f) {
     return (lattice_soup.corner(f, 0) + lattice_soup.corner(f, 1) + lattice_soup.corner(f, 2)) / 3.0;
   };
   const auto leave_out = [&](std::size_t f, bool is_inside) {
-    active[f] = 0;
+    result.roles[f] = is_inside ? FacetRole::interior : FacetRole::unresolved;
     if (is_inside) {
       ++result.interior_facets;
     } else {
@@ -57,11 +56,10 @@ std::vector<char> boundary_facets(const TriangleSoup& lattice_soup, const Surfac
   for (std::size_t f = 0; f < sides.size(); ++f)
     if (!sides[f].separates && sides[f].crosses() && is_uniform_around(grid, inside, centroid(f), 0))
       leave_out(f, sides[f].within_inside);
-  if (result.interior_facets == 0) return active;
+  if (result.interior_facets == 0) return;
   for (std::size_t f = 0; f < sides.size(); ++f)
     if (!sides[f].crosses() && is_uniform_around(grid, inside, centroid(f), 1) && is_inside_at(grid, inside, centroid(f)))
       leave_out(f, true);
-  return active;
 }
 
 // Distances anew for the leaves that some facet has left.
@@ -106,9 +104,12 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   result.winding_evaluations = classified.evaluations;
 
   const auto sides = facet_sides(lattice_soup, set.grid, classified.inside, progress);
-  const std::vector<char> active = boundary_facets(lattice_soup, set.grid, classified.inside, sides, result);
-  if (result.interior_facets + result.unresolved_facets > 0)
+  assign_roles(lattice_soup, set.grid, classified.inside, sides, result);
+  if (result.interior_facets + result.unresolved_facets > 0) {
+    std::vector<char> active(result.roles.size());
+    std::transform(result.roles.begin(), result.roles.end(), active.begin(), [](FacetRole role) { return role == FacetRole::boundary; });
     recompute_without(lattice_soup, set.grid, band, active, field);
+  }
   // [T-FAR-1]
   if (options.far_field) spread_far_field(lattice_soup, set.grid, field, progress);
   set.phi = std::move(field.distance);
@@ -116,6 +117,22 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
     if (!classified.inside.values[i]) set.phi.values[i] = -set.phi.values[i];
   });
   return result;
+}
+
+LevelSet level_set_of_shell(const TriangleSoup& soup, const GridFrame& frame, double half_thickness, const LevelSetOptions& options,
+                            Progress& progress) {
+  LevelSet set;
+  const TriangleSoup lattice_soup = to_lattice(soup, frame);
+  set.frame = frame;
+  set.band = options.band;
+  const double reach = half_thickness + options.band;
+  set.grid = grow_uniform_band(lattice_soup, frame.depth, reach, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
+  set.phi = exact_distances(lattice_soup, set.grid, reach, {}, progress).distance;
+  parallel_for(set.phi.values.size(), [&](std::size_t i) {
+    const double phi = half_thickness - static_cast<double>(set.phi.values[i]);
+    set.phi.values[i] = static_cast<float>(std::clamp(phi, -options.band, options.band));
+  });
+  return set;
 }
 
 }  // namespace burnish

@@ -6,11 +6,13 @@
 #include <cmath>
 
 #include "burnish/io/mesh_io.h"
-#include "burnish/levelset/from_triangles.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/surface/local_repair.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
 #include "cleaned_output.h"
+#include "level_set_gear.h"
+#include "local_gear.h"
+#include "losses.h"
 #include "prepare_input.h"
 #include "resolve_options.h"
 
@@ -18,11 +20,10 @@ namespace burnish {
 namespace {
 
 constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
-constexpr double kLargeCaps = 0.1;        // of the input's area: caps beyond this are worth a warning
-constexpr double kNegligibleArea = 1e-4;  // of the input's: unresolved details beyond this are worth a warning
-constexpr double kVolumeKept = 1e-3;   // drift of the volume beyond which the user is told
-constexpr double kUnsmoothedBand = 3;  // cells of exact distances around the surface
-constexpr double kDomainMargin = 11;   // cells between the band and the walls
+constexpr double kLargeCaps = 0.1;          // of the input's area: caps beyond this are worth a warning
+constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
+constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
+constexpr double kRecentreSteps = 0x1p-12;  // of the coordinates' size: what it is moved by is a multiple of that
 
 // One run: the stages write into the report as they go.
 class Run {
@@ -35,11 +36,7 @@ class Run {
     report_.output = job_.output;
     report_.output_format = name(output.format());
     if (prepare()) {
-      resolve();
-      build_level_set();
-      smooth();
-      extract(output);
-      measure();
+      if (!repair_locally(output)) rebuild(output);
       publish(output);
     }
     clock_.end();
@@ -66,108 +63,192 @@ class Run {
                   fmt::format("{}: expected a size between {:g} and {:g}, found a bounding box with a diagonal of {:g}", job_.input,
                               kSmallestDiagonal, kLargestDiagonal, diagonal),
                   "areas and volumes of such a model are beyond double precision: scale it");
+    if (job_.options.recentre) recentre();
+    report_.options = resolve_lengths(job_.options, diagonal);
   }
 
-  // Inspects, orients and caps the input. False if it bounds no solid.
+  // Multiples of a power of two, so that differences of float32 coordinates stay exact.
+  void recentre() {
+    const Box3 box = bounding_box(input_);
+    const Vec3 reach = max(box.upper, box.lower * -1.0);
+    const double size = std::max({reach.x, reach.y, reach.z});
+    if (!(size > 0)) return;
+    const double step = std::exp2(std::ceil(std::log2(size))) * kRecentreSteps;
+    const Vec3 c = box.center();
+    report_.recentred_by = {std::round(c.x / step) * step, std::round(c.y / step) * step, std::round(c.z / step) * step};
+    for (Vec3& p : input_.points) p -= report_.recentred_by;
+    input_ = weld(std::move(input_));
+  }
+
+  // Inspects, orients and caps the input. False if it bounds no solid, and that was needed.
   bool prepare() {
     begin("inspecting");
-    report_.before = inspect(input_, {}, progress_).defects;
-    begin("repairing");
-    prepared_ = prepare_input(input_, report_.actions);
-    report_.failure = reason_for_no_solid(input_, prepared_, report_.before, report_.actions);
-    const double cap_share = report_.actions.cap_area / std::max(report_.before.area, 1e-300);
-    if (!report_.failure && cap_share > kLargeCaps)
-      report_.warnings.push_back(fmt::format("closing the {} open loops added {:.0f} % to the area; if the model is meant to be open there, "
-                                             "this solid is not what you want", report_.actions.open_loops_capped, 100 * cap_share));
+    inspection_ = inspect(input_, {}, progress_);
+    report_.before = inspection_.defects;
+    begin("preparing");
+    prepared_ = prepare_input(input_, inspection_.self_intersections, job_.options, report_);
+    if (job_.options.thicken || job_.options.keeps_openings()) return !nothing_left();
+    report_.failure = reason_for_no_solid(input_, prepared_, report_.before);
+    if (!report_.failure) warn_of_large_caps();
     return !report_.failure;
   }
 
-  void resolve() { report_.options = resolve_options(job_.options, prepared_, report_.warnings); }
-
-  void build_level_set() {
-    begin("distances and signs");
-    const ResolvedOptions& options = report_.options;
-    const double smooth_cells = options.smooth / options.cell;
-    // Smoothing and extraction look no farther than the band, so the far field is left out.
-    LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
-    if (smooth_cells > 0) {
-      set.room = room_for_smoothing(smooth_cells);
-      // A bound on the deviation is held against exact distances.
-      const double bound = options.deviation ? *options.deviation / options.cell : 0;
-      set.band = std::max(kFlowBand, std::min(bound, set.room) + 1);
-    }
-    const GridFrame frame = make_frame(bounding_box(prepared_), options.cell, set.band + set.room + kDomainMargin);
-    LevelSetFromTriangles built = level_set_from_triangles(prepared_, frame, set, progress_);
-    report_.actions.ambiguous_regions = built.ambiguous_regions;
-    report_.actions.interior_facets_ignored = built.interior_facets;
-    report_.actions.unresolved_facets = built.unresolved_facets;
-    report_.actions.unresolved_area = built.unresolved_area * options.cell * options.cell;
-    if (report_.actions.unresolved_area > kNegligibleArea * report_.before.area)
-      report_.warnings.push_back(
-          fmt::format("{} facets ({:.3g} of area) bound sheets or walls thinner than a cell of {:.4g} and are not in the result; "
-                      "choose a smaller --cell if they matter",
-                      built.unresolved_facets, report_.actions.unresolved_area, options.cell));
-    level_set_ = std::move(built.level_set);
-    const Octree& tree = level_set_.octree();
-    report_.grid.blocks = tree.size();
-    report_.grid.levels = tree.depth() + 1;
-    for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) report_.grid.finest_blocks += tree.level(leaf) == 0;
-    report_.grid.bytes_planned = planned_bytes(prepared_, options.cell, set.band + set.room);
+  bool nothing_left() {
+    if (area(prepared_.oriented) > 0) return false;
+    report_.failure = Error(ErrorCode::guarantee_unmet, fmt::format("nothing to work on: none of the {} facets has an area", input_.facets.size()),
+                            "re-export the model; every facet in this file is a line or a point");
+    return true;
   }
 
-  void smooth() {
-    const ResolvedOptions& options = report_.options;
-    if (options.smooth <= 0) return;
-    begin("smoothing");
-    SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true};
-    if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
-    const SmoothingResult done = smooth_by_flow(level_set_, in_cells, progress_);
-    const double square = options.cell * options.cell;
-    report_.smoothing = {options.smooth, done.flow.time * square, done.flow.steps,
-                         done.volume_before * square * options.cell, done.volume_after * square * options.cell};
-    const double drift = done.volume_after / done.volume_before - 1;
-    if (!(std::abs(drift) <= kVolumeKept))
-      report_.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,
-                                             options.deviation ? "the bound on the deviation did not let it be restored"
-                                                               : "the smoothing length is too large for this model"));
+  void warn_of_large_caps() {
+    const double share = prepared_.capped.cap_area / std::max(report_.before.area, 1e-300);
+    if (share <= kLargeCaps) return;
+    report_.warnings.push_back(fmt::format("closing the {} open loops added {:.0f} % to the area; if the model is meant to be open there, clean it with "
+                                           "--keep-openings, or give it a thickness with --thicken T",
+                                           report_.actions.open_loops_capped, 100 * share));
   }
 
-  void extract(CleanedOutput& output) {
-    begin("extracting and verifying");
-    const Inspection inspection = output.write_verified(level_set_, progress_);
-    report_.after = inspection.defects;
-    report_.verified = inspection.defects.valid_solid();
-    if (!report_.verified) report_.failure = output.reason_for_failure(inspection.defects, report_.options);
+  // --- the local gear
+
+  bool repair_locally(CleanedOutput& output) {
+    std::string why_not = reason_against_local(job_.options);
+    if (why_not.empty() && try_local(output, why_not)) return true;
+    report_.method = name(Method::level_set);
+    report_.method_reason = why_not;
+    forget_attempt();
+    if (job_.options.method != Method::local) return false;
+    report_.method = name(Method::local);
+    report_.failure = Error(ErrorCode::guarantee_unmet, "local repair cannot do it: " + why_not, "leave --method out, or say --method levelset");
+    return true;
+  }
+
+  bool is_fine_as_it_is() const {
+    return report_.before.valid_solid() && prepared_.source.size() == input_.facets.size() && report_.actions.facets_flipped == 0;
+  }
+
+  bool try_local(CleanedOutput& output, std::string& why_not) {
+    begin("repairing locally");
+    const std::vector<Hole> holes = report_.holes;
+    const bool fine = is_fine_as_it_is();
+    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(prepared_, report_, progress_, why_not);
+    if (!solution) return false;
+    begin("verifying");
+    inspect_result(output.write_and_read_back(solution->soup));
     result_ = output.take_result();
-    level_set_ = {};
+    if (!report_.verified) {
+      why_not = "its result is not valid once it is written";
+      return false;
+    }
+    begin("measuring");
+    const double tolerance = kLocalTolerance * report_.before.box.diagonal();
+    why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
+    if (!why_not.empty()) return false;
+    report_.method = name(Method::local);
+    report_.method_reason = fine ? "the input is valid as it is" : "what is broken could be mended where it is, and nothing is lost";
+    return true;
   }
 
-  void measure() {
+  void inspect_result(const TriangleSoup& result) {
+    const bool same = result.points == input_.points && result.facets == input_.facets;
+    report_.after = same ? report_.before : inspect(result, {}, progress_).defects;
+    judge_result();
+  }
+
+  void judge_result() {
+    report_.is_sheet = job_.options.keeps_openings() && report_.after.open_edges > 0;
+    report_.verified = report_.is_sheet ? report_.after.valid_sheet() : report_.after.valid_solid();
+  }
+
+  // What a local repair that was not taken has left in the report.
+  void forget_attempt() {
+    RepairActions& a = report_.actions;
+    a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_removed = a.facets_added = 0;
+    a.largest_split = 0;
+    report_.changes.clear();
+    report_.deviation = {};
+    report_.after = {};
+    report_.verified = report_.is_sheet = false;
+    tell_holes(prepared_, report_);
+  }
+
+  // --- the level set gear
+
+  void rebuild(CleanedOutput& output) {
+    begin("distances and signs");
+    resolve_cell(job_.options, prepared_.capped.soup, report_.options, report_.warnings);
+    BuiltLevelSet built = build_level_set(prepared_, report_, progress_);
+    if (report_.options.smooth > 0) {
+      begin("smoothing");
+      smooth_level_set(built.level_set, report_, progress_);
+    }
+    extract(output, built.level_set);
+    measure(built.roles);
+  }
+
+  void extract(CleanedOutput& output, const LevelSet& level_set) {
+    begin("extracting and verifying");
+    CleanedOutput::Finish finish;
+    if (report_.options.max_hole && !job_.options.thicken)
+      finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, *report_.options.max_hole); };
+    report_.after = output.write_verified(level_set, finish, progress_).defects;
+    judge_result();
+    if (!report_.verified || output.float_steps_too_coarse()) {
+      report_.verified = false;
+      report_.failure = output.reason_for_failure(report_.after, report_.options);
+    }
+    result_ = output.take_result();
+  }
+
+  void measure(const std::vector<FacetRole>& roles) {
     if (result_.facets.empty()) return;
     begin("measuring");
     report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
     progress_.check();
     const TriangleIndex result_index(result_);
-    report_.deviation.input_to_output = one_sided_distance(input_, result_index);
-    report_losses(result_index);
+    const double limit = kLossCells * report_.options.cell + 0.5 * report_.options.smooth + 0.5 * report_.options.thicken.value_or(0);
+    std::vector<FarSample> far;
+    report_.deviation.input_to_output = one_sided_distance(input_, result_index, {.far_beyond = limit}, &far);
+    tell_losses(far, roles, result_index, limit);
   }
 
-  // Nothing is lost silently: names the components of the input that are gone.
-  void report_losses(const TriangleIndex& result_index) {
-    const double tolerance = 2 * report_.options.cell + 0.5 * report_.options.smooth;
-    const MissingComponents missing = missing_components(input_, result_index, tolerance);
+  // Nothing is lost silently.
+  void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
+    std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNewFacet);
+    for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
+    report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](std::uint32_t f) -> std::string {
+      if (prepared_facet[f] == kNewFacet) return "dropped";
+      if (roles[prepared_facet[f]] == FacetRole::interior) return "inside the solid";
+      if (roles[prepared_facet[f]] == FacetRole::unresolved) return "thinner than a cell";
+      return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
+    });
+    double lost = 0;
+    for (const Loss& loss : report_.losses) lost += loss.reason == "inside the solid" ? 0 : loss.area;
+    const MissingComponents missing = missing_components(input_, result_index, limit);
     report_.actions.components_lost = missing.count;
-    report_.actions.area_lost = missing.area;
-    if (missing.count == 0) return;
-    const Vec3& at = missing.largest_at;
-    report_.warnings.push_back(fmt::format(
-        "{} of the input's components ({:.3g} of area) are not in the result, being thinner than a cell or smaller than the smoothing "
-        "length; the largest is at ({:.6g}, {:.6g}, {:.6g})",
-        missing.count, missing.area, at.x, at.y, at.z));
+    report_.actions.area_lost = lost;
+    for (ComponentFate& c : report_.components) {
+      if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNewFacet) continue;
+      c.fate = "lost";
+      c.reason = report_.options.smooth > 0 ? "thinner than a cell, or smoothed away" : "thinner than a cell";
+    }
+    warn_of_losses(missing);
+  }
+
+  void warn_of_losses(const MissingComponents& missing) {
+    if (missing.count > 0)
+      report_.warnings.push_back(fmt::format(
+          "{} of the input's components ({:.3g} of area) are not in the result, being thinner than a cell or smaller than the smoothing "
+          "length; the largest is at ({:.6g}, {:.6g}, {:.6g})",
+          missing.count, missing.area, missing.largest_at.x, missing.largest_at.y, missing.largest_at.z));
+    const auto worst = std::find_if(report_.losses.begin(), report_.losses.end(), [](const Loss& l) { return l.reason != "inside the solid"; });
+    if (worst != report_.losses.end())
+      report_.warnings.push_back(fmt::format("parts of the input with {:.3g} of area are not in the result; the largest is at ({:.6g}, {:.6g}, {:.6g}): {}",
+                                             report_.actions.area_lost, worst->position.x, worst->position.y, worst->position.z, worst->reason));
   }
 
   void publish(CleanedOutput& output) {
-    if (report_.after.facets == 0 || (!report_.verified && !job_.allow_invalid)) return;
+    if (report_.failure && !job_.allow_invalid) return;
+    if (report_.after.facets == 0) return;
     begin("writing");
     output.publish();
     report_.written = true;
@@ -177,10 +258,10 @@ class Run {
   Progress& progress_;
   StageClock clock_;
   RepairReport report_;
-  TriangleSoup input_;     // welded, otherwise as read
-  TriangleSoup prepared_;  // oriented and capped
-  LevelSet level_set_;
-  TriangleSoup result_;    // read back, welded
+  TriangleSoup input_;  // welded, otherwise as read
+  Inspection inspection_;
+  PreparedInput prepared_;
+  TriangleSoup result_;  // read back, welded
 };
 
 }  // namespace

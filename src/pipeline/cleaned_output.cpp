@@ -16,7 +16,7 @@ namespace burnish {
 namespace {
 
 constexpr int kMendingRounds = 6;
-constexpr double kFloatStepShare = 0.02;  // of a cell: float32 steps beyond this deform the surface visibly
+constexpr double kFloatStepShare = 0.05;  // of a cell: float32 steps beyond this deform the surface visibly
 
 std::string temporary_folder() {
   const char* folder = std::getenv("TMPDIR");
@@ -67,7 +67,13 @@ void CleanedOutput::write(const TriangleSoup& soup) {
   write_mesh(file_->fd(), destination_, soup, options_);
 }
 
-Inspection CleanedOutput::write_verified(const LevelSet& level_set, Progress& progress) {
+const TriangleSoup& CleanedOutput::write_and_read_back(const TriangleSoup& soup) {
+  write(soup);
+  result_ = weld(read_mesh(file_->temporary_path()).soup);
+  return result_;
+}
+
+Inspection CleanedOutput::write_verified(const LevelSet& level_set, const Finish& finish, Progress& progress) {
   // [T-MT-5]
   PlainNodes plain;
   for (int round = 0;; ++round) {
@@ -76,13 +82,17 @@ Inspection CleanedOutput::write_verified(const LevelSet& level_set, Progress& pr
     TriangleSoup model = surface.soup;
     parallel_for(model.points.size(), [&](std::size_t i) { model.points[i] = level_set.frame.to_model(model.points[i]); });
     const Box3 box = bounding_box(model);
-    const double largest = std::max({norm(box.lower), norm(box.upper)});
-    float_steps_too_coarse_ = stores_float32(options_.format) && largest * 0x1p-24 > kFloatStepShare * level_set.frame.cell;
-    write(model);
+    const Vec3 largest = max(box.upper, box.lower * -1.0);
+    const double step = std::max({largest.x, largest.y, largest.z}) * 0x1p-23;
+    float_steps_too_coarse_ = stores_float32(options_.format) && step > kFloatStepShare * level_set.frame.cell;
+    const std::size_t facets = model.facets.size();
+    if (finish) model = finish(std::move(model));
+    const bool unfinished = model.facets.size() == facets;
+    if (model.facets.empty()) return {};
+    write_and_read_back(model);
     model = {};
-    result_ = weld(read_mesh(file_->temporary_path()).soup);
     Inspection inspection = inspect(result_, {}, progress);
-    if (inspection.defects.valid_solid() || round == kMendingRounds) return inspection;
+    if (inspection.defects.valid_solid() || round == kMendingRounds || !unfinished) return inspection;
     if (!mark_for_mending(level_set.octree(), surface, broken_facets(result_, inspection), plain)) return inspection;
   }
 }
@@ -93,12 +103,13 @@ Error CleanedOutput::reason_for_failure(const Defects& after, const ResolvedOpti
   if (after.facets == 0)
     return Error(ErrorCode::guarantee_unmet, "no solid: nothing of the input bounds a volume that cells of this size can hold",
                  "choose a smaller --cell, or give sheets a thickness first");
+  if (float_steps_too_coarse_)
+    return Error(ErrorCode::guarantee_unmet,
+                 fmt::format("the model lies too far from the origin: float32, which STL stores, has steps of more than {:g} cells there", kFloatStepShare),
+                 "write .ply (double precision), move the model with --recentre, or choose a larger --cell");
   const std::string found = fmt::format("{} open edges, {} non-manifold edges, {} non-manifold points, {} degenerate facets, {} self-intersecting pairs",
                                         after.open_edges, after.non_manifold_edges, after.non_manifold_points,
                                         after.degenerate_facets, after.self_intersecting_pairs);
-  if (float_steps_too_coarse_)
-    return Error(ErrorCode::guarantee_unmet, "the result is not a valid solid once its coordinates are rounded to float32: " + found,
-                 "the model lies too far from the origin for this cell: write .ply (double precision), move it, or choose a larger --cell");
   return Error(ErrorCode::guarantee_unmet, "the result could not be verified as a valid solid: " + found,
                "try another --cell; --allow-invalid writes the result as it is");
 }

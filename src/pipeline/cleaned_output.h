@@ -1,6 +1,7 @@
 // The result on its way out: written to a temporary, read back, verified, mended, published.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,15 +24,24 @@ class CleanedOutput {
 
   MeshFormat format() const { return options_.format; }
 
-  // Extracts the surface, writes it to the temporary, reads it back, welds and inspects it. What rounding to the
-  // file's precision broke is extracted anew with plainer facets and written again, a few times. Returns the last
-  // inspection of the file as it stands.
-  Inspection write_verified(const LevelSet& level_set, Progress& progress);
+  // What is done to a surface in model coordinates before it is written.
+  using Finish = std::function<TriangleSoup(TriangleSoup)>;
+
+  // Extracts the surface, finishes it, writes it to the temporary, reads it back, welds and inspects it. What rounding
+  // to the file's precision broke is extracted anew with plainer facets and written again, a few times (not if `finish`
+  // changes facets). Returns the last inspection of the file as it stands.
+  Inspection write_verified(const LevelSet& level_set, const Finish& finish, Progress& progress);
+
+  // Writes the surface to the temporary and reads it back, welded.
+  const TriangleSoup& write_and_read_back(const TriangleSoup& soup);
 
   // The surface as read back from the temporary, welded.
   TriangleSoup take_result() { return std::move(result_); }
 
-  // What to tell the user about a result that is no valid solid.
+  // True if float32 coordinates of that size deform a surface of such cells visibly.
+  bool float_steps_too_coarse() const { return float_steps_too_coarse_; }
+
+  // What to tell the user about a result that is not what it should be.
   Error reason_for_failure(const Defects& after, const ResolvedOptions& options) const;
 
   // Renames the temporary to the destination, or copies its bytes to standard output.

@@ -6,10 +6,9 @@
 #include <cmath>
 #include <numbers>
 #include <utility>
-#include <vector>
 
-#include "burnish/surface/boundary_caps.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/facet_filter.h"
 #include "burnish/surface/orient.h"
 #include "burnish/surface/weld.h"
 
@@ -19,7 +18,7 @@ namespace {
 constexpr double kUnmatchedShare = 0.05;  // of the edges, beyond which open edges are welded within a tolerance
 constexpr double kWeldShare = 0.1;        // of the median edge: that tolerance
 constexpr double kSheetCapShare = 0.75;   // caps larger than this part of the input's area
-constexpr double kSheetRoundness = 0.05;  // and whose solid is flat by this measure are sheets
+constexpr double kSheetRoundness = 0.02;  // and whose solid is flat by this measure are sheets
 constexpr double kFlatRoundness = 1e-7;   // below this there is nothing inside
 
 double median_edge(const TriangleSoup& soup) {
@@ -46,52 +45,256 @@ double isoperimetric_quotient(const TriangleSoup& soup) {
   return a > 0 ? 36 * std::numbers::pi * v * v / (a * a * a) : 0;
 }
 
-TriangleSoup drop_useless_facets(const TriangleSoup& soup, RepairActions& actions) {
-  CleanedFacets cleaned = drop_degenerate_and_duplicate_facets(soup);
-  actions.degenerate_facets_dropped += cleaned.degenerate;
-  actions.duplicate_facets_dropped += cleaned.duplicate;
-  return std::move(cleaned.soup);
-}
+// The steps of prepare_input, in order.
+class Preparation {
+ public:
+  Preparation(const TriangleSoup& welded, const CleanOptions& options, RepairReport& report)
+      : welded_(welded), options_(options), report_(report) {
+    soup_ = welded;
+    source_.resize(welded.facets.size());
+    for (std::uint32_t f = 0; f < source_.size(); ++f) source_[f] = f;
+  }
+
+  PreparedInput prepare(const FacetPairs& intersecting) {
+    filter();
+    join_open_edges();
+    orient_facets();
+    PreparedInput result;
+    cap(result);
+    settle_nesting(result);
+    drop_components(result);
+    find_overlaps(result, intersecting);
+    find_absorbed(result);
+    tell_components(result);
+    result.oriented = std::move(soup_);
+    result.source = std::move(source_);
+    return result;
+  }
+
+ private:
+  void filter() {
+    FilteredFacets kept = filter_facets(soup_, true);
+    report_.actions.degenerate_facets_dropped += kept.degenerate;
+    report_.actions.duplicate_facets_dropped += kept.duplicate;
+    report_.actions.wall_facets_dropped += kept.walls;
+    for (std::uint32_t& f : kept.source) f = source_[f];
+    source_ = std::move(kept.source);
+    soup_ = std::move(kept.soup);
+  }
+
+  // [T-WELD-2]
+  void join_open_edges() {
+    double tolerance = report_.options.gap.value_or(0);
+    if (tolerance <= 0 && open_share(soup_) > kUnmatchedShare) tolerance = kWeldShare * median_edge(soup_);
+    if (tolerance <= 0) return;
+    WeldedNear near = weld_boundaries(soup_, tolerance);
+    if (near.points_moved == 0) return;
+    report_.actions.points_welded_within_tolerance = near.points_moved;
+    report_.actions.weld_tolerance = tolerance;
+    soup_ = std::move(near.soup);
+    filter();
+  }
+
+  void orient_facets() { soup_ = orient(soup_).soup; }
+
+  void cap(PreparedInput& result) const {
+    result.capped = cap_boundary(soup_);
+    result.shells = find_shells(result.capped.soup);
+  }
+
+  // --- nesting
+
+  // Whether most of a shell's facets are turned against the file.
+  std::vector<char> turned_shells(const PreparedInput& result) const {
+    std::vector<double> balance(result.shells.shells.size(), 0.0);
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f)
+      balance[result.shells.of_facet[f]] += norm(facet_normal_2a(soup_, f)) * (is_turned(f) ? 1 : -1);
+    std::vector<char> turned(balance.size());
+    std::transform(balance.begin(), balance.end(), turned.begin(), [](double b) { return b > 0; });
+    return turned;
+  }
+
+  // Joining points and turning both keep the order of a facet's corners, up to one swap.
+  bool is_turned(std::size_t f) const {
+    const Vec3 now = facet_normal_2a(soup_, f), then = facet_normal_2a(welded_, source_[f]);
+    return dot(now, then) < 0;
+  }
+
+  // Outermost shells face outwards. What lies inside another keeps the orientation it has in the file relative to the
+  // outermost shell around it, or gets the one that is asked for. [T-NEST-1]
+  void settle_nesting(PreparedInput& result) {
+    const std::vector<char> turned = turned_shells(result);
+    const std::vector<Shell>& shells = result.shells.shells;
+    std::vector<char> turn(shells.size(), 0);
+    const auto outermost = [&](std::uint32_t s) { return shells[s].around.empty(); };
+    for (std::uint32_t s = 0; s < shells.size(); ++s)
+      if (shells[s].closed && outermost(s)) turn[s] = shells[s].volume < 0;
+    for (std::uint32_t s = 0; s < shells.size(); ++s) {
+      if (!shells[s].closed || outermost(s)) continue;
+      bool outwards = shells[s].volume > 0;
+      if (options_.nesting == Nesting::cavity) {
+        outwards = shells[s].around.size() % 2 == 0;
+      } else if (options_.nesting == Nesting::solid) {
+        outwards = true;
+      } else {
+        const auto root = std::find_if(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) { return outermost(a.first); });
+        const bool follow = root != shells[s].around.end() && (turned[root->first] != 0) != (turn[root->first] != 0);
+        outwards = (shells[s].volume > 0) != ((turned[s] != 0) != follow);
+      }
+      turn[s] = (shells[s].volume > 0) != outwards;
+    }
+    if (std::find(turn.begin(), turn.end(), 1) == turn.end()) return;
+    for (std::size_t f = 0; f < result.capped.soup.facets.size(); ++f) {
+      if (!turn[result.shells.of_facet[f]]) continue;
+      std::swap(result.capped.soup.facets[f][1], result.capped.soup.facets[f][2]);
+      if (f < soup_.facets.size()) std::swap(soup_.facets[f][1], soup_.facets[f][2]);
+    }
+    result.shells = find_shells(result.capped.soup);
+  }
+
+  // --- components
+
+  void drop_components(PreparedInput& result) {
+    if (!options_.keep_largest && !options_.min_component) return;
+    const std::vector<Shell>& shells = result.shells.shells;
+    double largest = 0;
+    for (const Shell& s : shells) largest = std::max(largest, std::abs(s.volume));
+    double least = options_.min_component ? options_.min_component->value : 0;
+    if (options_.min_component && options_.min_component->percent_of_largest) least *= 0.01 * largest;
+    std::vector<char> drop(shells.size(), 0);
+    const auto first_largest = std::find_if(shells.begin(), shells.end(), [&](const Shell& s) { return std::abs(s.volume) == largest; });
+    const auto kept = static_cast<std::uint32_t>(first_largest - shells.begin());
+    for (std::uint32_t s = 0; s < shells.size(); ++s) {
+      const bool inside_kept = std::any_of(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) { return a.first == kept; });
+      const bool small = std::abs(shells[s].volume) < least;
+      drop[s] = small || (options_.keep_largest && s != kept && !inside_kept);
+      dropped_.push_back(fate_of(shells[s], "dropped", small ? "smaller than --min-component" : "not the largest component"));
+    }
+    count_facets(result, dropped_);
+    std::erase_if(dropped_, [&, s = std::size_t{0}](const ComponentFate&) mutable { return !drop[s++]; });
+    remove_shells(result, drop);
+  }
+
+  void remove_shells(PreparedInput& result, const std::vector<char>& drop) {
+    if (std::find(drop.begin(), drop.end(), 1) == drop.end()) return;
+    TriangleSoup kept;
+    std::vector<std::uint32_t> source;
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f)
+      if (!drop[result.shells.of_facet[f]]) {
+        kept.facets.push_back(soup_.facets[f]);
+        source.push_back(source_[f]);
+      }
+    kept.points = std::move(soup_.points);
+    soup_ = weld(std::move(kept));
+    source_ = std::move(source);
+    cap(result);
+  }
+
+  void find_overlaps(PreparedInput& result, const FacetPairs& intersecting) {
+    std::vector<std::uint32_t> shell_of_input(welded_.facets.size(), kNoShell);
+    for (std::size_t f = 0; f < source_.size(); ++f) shell_of_input[source_[f]] = result.shells.of_facet[f];
+    crossed_.assign(result.shells.shells.size(), 0);
+    for (const auto& [f, g] : intersecting) {
+      const std::uint32_t s = shell_of_input[f], t = shell_of_input[g];
+      if (s == t || s == kNoShell || t == kNoShell) continue;
+      crossed_[s] = crossed_[t] = 1;
+      result.bodies_overlap = true;
+    }
+  }
+
+  // A shell is no part of the surface of {winding >= 1} when that holds, or fails, on both its sides.
+  void find_absorbed(PreparedInput& result) const {
+    for (std::size_t s = 0; s < result.shells.shells.size(); ++s) {
+      const Shell& shell = result.shells.shells[s];
+      const int inside = shell.wrapped + (shell.volume > 0 ? 1 : -1);
+      result.absorbed.push_back(shell.closed && !crossed_[s] && !shell.around.empty() && (shell.wrapped >= 1) == (inside >= 1));
+    }
+  }
+
+  static ComponentFate fate_of(const Shell& shell, std::string fate, std::string reason) {
+    return {shell.at, 0, shell.area, shell.volume, std::move(fate), std::move(reason)};
+  }
+
+  // Facets of the input in each shell, and their area: caps are none of its.
+  void count_facets(const PreparedInput& result, std::vector<ComponentFate>& fates) const {
+    for (ComponentFate& fate : fates) fate.area = 0;
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f) {
+      ComponentFate& fate = fates[result.shells.of_facet[f]];
+      ++fate.facets;
+      fate.area += 0.5 * norm(facet_normal_2a(soup_, f));
+    }
+  }
+
+  void tell_components(const PreparedInput& result) {
+    std::vector<ComponentFate> fates;
+    for (std::size_t s = 0; s < result.shells.shells.size(); ++s) {
+      const Shell& shell = result.shells.shells[s];
+      if (result.absorbed[s])
+        fates.push_back(fate_of(shell, "absorbed", "lies inside the solid"));
+      else if (crossed_[s])
+        fates.push_back(fate_of(shell, "merged", "overlaps other components"));
+      else if (shell.closed && shell.wrapped > 0 && shell.volume < 0)
+        fates.push_back(fate_of(shell, "cavity", "oriented as the wall of a cavity"));
+      else
+        fates.push_back(fate_of(shell, "kept", ""));
+    }
+    count_facets(result, fates);
+    report_.components = std::move(fates);
+    report_.components.insert(report_.components.end(), dropped_.begin(), dropped_.end());
+    std::stable_sort(report_.components.begin(), report_.components.end(),
+                     [](const ComponentFate& a, const ComponentFate& b) { return a.area > b.area; });
+  }
+
+  static constexpr std::uint32_t kNoShell = 0xffffffffu;
+
+  const TriangleSoup& welded_;
+  const CleanOptions& options_;
+  RepairReport& report_;
+  TriangleSoup soup_;
+  std::vector<std::uint32_t> source_;
+  std::vector<char> crossed_;  // shells with facets that intersect another's
+  std::vector<ComponentFate> dropped_;
+};
 
 }  // namespace
 
-TriangleSoup prepare_input(const TriangleSoup& welded, RepairActions& actions) {
-  TriangleSoup soup = drop_useless_facets(welded, actions);
-  // [T-WELD-2]
-  if (open_share(soup) > kUnmatchedShare) {
-    const double tolerance = kWeldShare * median_edge(soup);
-    WeldedNear near = weld_boundaries(soup, tolerance);
-    if (near.points_moved > 0) {
-      actions.points_welded_within_tolerance = near.points_moved;
-      actions.weld_tolerance = tolerance;
-      soup = drop_useless_facets(near.soup, actions);
-    }
-  }
-  OrientedSoup oriented = orient(soup);
-  actions.facets_flipped = oriented.facets_flipped;
-  CappedSoup capped = cap_boundary(oriented.soup);
-  actions.open_loops_capped = capped.loops;
-  actions.cap_area = capped.cap_area;
-  return std::move(capped.soup);
+PreparedInput prepare_input(const TriangleSoup& welded, const FacetPairs& intersecting, const CleanOptions& options,
+                            RepairReport& report) {
+  PreparedInput result = Preparation(welded, options, report).prepare(intersecting);
+  RepairActions& actions = report.actions;
+  actions.open_loops_capped = result.capped.caps.size();
+  actions.cap_area = result.capped.cap_area;
+  for (std::size_t f = 0; f < result.source.size(); ++f)
+    actions.facets_flipped += dot(facet_normal_2a(result.oriented, f), facet_normal_2a(welded, result.source[f])) < 0;
+  tell_holes(result, report);
+  return result;
 }
 
-std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const TriangleSoup& prepared, const Defects& before,
-                                         const RepairActions& actions) {
+void tell_holes(const PreparedInput& prepared, RepairReport& report) {
+  report.holes.clear();
+  for (const Cap& cap : prepared.capped.caps) {
+    report.holes.push_back(cap.hole);
+    report.holes.back().filled = !report.options.max_hole || cap.hole.width() <= *report.options.max_hole;
+  }
+  std::stable_sort(report.holes.begin(), report.holes.end(), [](const Hole& a, const Hole& b) { return a.perimeter > b.perimeter; });
+}
+
+std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const PreparedInput& prepared, const Defects& before) {
   const double input_area = area(welded);
-  if (prepared.facets.empty() || input_area <= 0)
+  if (prepared.oriented.facets.empty() || input_area <= 0)
     return Error(ErrorCode::guarantee_unmet, fmt::format("no solid: none of the {} facets has an area", welded.facets.size()),
                  "re-export the model; every facet in this file is a line or a point");
-  const double roundness = isoperimetric_quotient(prepared);
-  if (actions.cap_area > kSheetCapShare * input_area && roundness < kSheetRoundness)
+  const double roundness = isoperimetric_quotient(prepared.capped.soup);
+  if (prepared.capped.cap_area > kSheetCapShare * input_area && roundness < kSheetRoundness)
     return Error(ErrorCode::guarantee_unmet,
                  fmt::format("no solid: an open sheet; its {} open edges in {} loops would need caps of {:.0f} % of the input's area",
-                             before.open_edges, before.open_loops, 100 * actions.cap_area / input_area),
-                 "close the model, or give the sheet a thickness, before cleaning it as a solid");
+                             before.open_edges, before.open_loops, 100 * prepared.capped.cap_area / input_area),
+                 "--keep-openings cleans it as the open sheet it is; --thicken T makes it a shell of thickness T");
   if (roundness < kFlatRoundness)
     return Error(ErrorCode::guarantee_unmet,
                  fmt::format("no solid: the surface encloses a volume of {:.3g} with an area of {:.3g}: it is flat, or its parts cancel",
-                             std::abs(signed_volume(prepared)), input_area),
-                 "give the sheet a thickness, or check that the facets' orientation is consistent");
+                             std::abs(signed_volume(prepared.capped.soup)), input_area),
+                 "--thicken T makes it a shell of thickness T; or check that the facets' orientation is consistent");
   return std::nullopt;
 }
 

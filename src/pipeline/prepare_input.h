@@ -1,20 +1,43 @@
-// From a welded soup to a closed, oriented chain of facets; or the reason why there is no solid in it.
+// From a welded soup to oriented, useful facets, and the closed chain they belong to; or the reason why there is no
+// solid in it.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <optional>
+#include <vector>
 
 #include "burnish/core/error.h"
+#include "burnish/pipeline/options.h"
 #include "burnish/pipeline/report.h"
+#include "burnish/surface/boundary_caps.h"
+#include "burnish/surface/shells.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
 
-// Drops degenerate and duplicate facets, welds open edges within a tolerance if too many stay unmatched, orients,
-// caps. Says what it did in `actions`.
-TriangleSoup prepare_input(const TriangleSoup& welded, RepairActions& actions);
+struct PreparedInput {
+  TriangleSoup oriented;               // welded; facets without an area stay, they close what they close
+  std::vector<std::uint32_t> source;   // facet of the input behind each of its facets
+  CappedSoup capped;                   // `oriented` with a cap on every loop
+  Shells shells;                       // of the capped soup
+  std::vector<char> absorbed;          // shells that lie within the solid, wholly and touching nothing
+  bool bodies_overlap = false;         // facets of different shells intersect
+};
+
+// Facet pairs of the welded input that intersect.
+using FacetPairs = std::vector<std::array<std::uint32_t, 2>>;
+
+// Leaves out useless facets, joins points of open edges (within `gap` if it is set; else within a tolerance if too many
+// edges stay unmatched), orients facets and shells as `options.nesting` says, drops components that are not wanted,
+// caps. Says what it did in report.actions and report.components.
+PreparedInput prepare_input(const TriangleSoup& welded, const FacetPairs& intersecting, const CleanOptions& options,
+                            RepairReport& report);
+
+// Tells the loops of the prepared input as report.holes, the largest first.
+void tell_holes(const PreparedInput& prepared, RepairReport& report);
 
 // Why the prepared soup bounds no solid: nothing with an area, or openings too large for a cap to be more than a guess.
-std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const TriangleSoup& prepared, const Defects& before,
-                                         const RepairActions& actions);
+std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const PreparedInput& prepared, const Defects& before);
 
 }  // namespace burnish

@@ -1,6 +1,8 @@
 #include "burnish/pipeline/report.h"
 
+#include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 
 namespace burnish {
 namespace {
@@ -15,6 +17,8 @@ std::string text_of(const Json& json) {
 Json generator() { return "burnish " BURNISH_VERSION; }
 
 Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+
+Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
 
 Json json_of(const Box3& box) {
   if (box.empty()) return nullptr;
@@ -34,6 +38,7 @@ Json json_of(const Defects& d) {
       {"non_manifold_edges", d.non_manifold_edges},
       {"non_manifold_points", d.non_manifold_points},
       {"misoriented_edges", d.misoriented_edges},
+      {"misnested_shells", d.misnested_shells},
       {"self_intersecting_pairs", d.self_intersections_counted ? Json(d.self_intersecting_pairs) : Json()},
       {"volume", d.volume},
       {"area", d.area},
@@ -57,7 +62,10 @@ Json json_of(const ResolvedOptions& o) {
       {"cell_was_chosen", o.cell_was_chosen},
       {"cells_along_longest_side", o.cells_along_longest_side},
       {"smooth", o.smooth},
-      {"deviation", o.deviation ? Json(*o.deviation) : Json()},
+      {"deviation", json_of(o.deviation)},
+      {"gap", json_of(o.gap)},
+      {"max_hole", json_of(o.max_hole)},
+      {"thicken", json_of(o.thicken)},
       {"memory_bytes", o.memory_bytes},
   };
 }
@@ -66,6 +74,7 @@ Json json_of(const RepairActions& a) {
   return {
       {"degenerate_facets_dropped", a.degenerate_facets_dropped},
       {"duplicate_facets_dropped", a.duplicate_facets_dropped},
+      {"wall_facets_dropped", a.wall_facets_dropped},
       {"points_welded_within_tolerance", a.points_welded_within_tolerance},
       {"weld_tolerance", a.weld_tolerance},
       {"facets_flipped", a.facets_flipped},
@@ -77,7 +86,39 @@ Json json_of(const RepairActions& a) {
       {"unresolved_area", a.unresolved_area},
       {"components_lost", a.components_lost},
       {"area_lost", a.area_lost},
+      {"needles_flipped", a.needles_flipped},
+      {"points_split", a.points_split},
+      {"largest_split", a.largest_split},
+      {"intersecting_pairs_removed", a.intersecting_pairs_removed},
+      {"facets_kept", a.facets_kept},
+      {"facets_removed", a.facets_removed},
+      {"facets_added", a.facets_added},
   };
+}
+
+Json json_of(const Hole& h) {
+  return {{"position", json_of(h.position)}, {"edges", h.edges}, {"perimeter", h.perimeter}, {"width", h.width()}, {"area", h.area}, {"filled", h.filled}};
+}
+
+Json json_of(const ComponentFate& c) {
+  return {{"position", json_of(c.position)}, {"facets", c.facets}, {"area", c.area}, {"volume", c.volume}, {"fate", c.fate}, {"reason", c.reason}};
+}
+
+Json json_of(const Change& c) {
+  return {{"position", json_of(c.position)}, {"extent", c.extent}, {"facets_removed", c.facets_removed}, {"facets_added", c.facets_added}};
+}
+
+Json json_of(const Loss& l) {
+  return {{"position", json_of(l.position)}, {"distance", l.distance}, {"area", l.area}, {"samples", l.samples}, {"reason", l.reason}};
+}
+
+// The first thousand of a list that is sorted by importance; its length is told beside it.
+template <class T>
+Json list_of(const std::vector<T>& items) {
+  constexpr std::size_t kMost = 1000;
+  Json list = Json::array();
+  for (std::size_t i = 0; i < std::min(items.size(), kMost); ++i) list.push_back(json_of(items[i]));
+  return {{"count", items.size()}, {"largest", std::move(list)}};
 }
 
 Json json_of(const GridSummary& g) {
@@ -132,12 +173,19 @@ std::string to_json(const RepairReport& r) {
       {"generator", generator()},
       {"input", {{"file", r.input}, {"format", r.input_format}}},
       {"output",
-       {{"file", r.output}, {"format", r.output_format}, {"written", r.written}, {"verified", r.verified}}},
+       {{"file", r.output}, {"format", r.output_format}, {"written", r.written}, {"verified", r.verified}, {"is_sheet", r.is_sheet}}},
+      {"method", r.method.empty() ? Json() : Json(r.method)},
+      {"method_reason", r.method_reason},
       {"failure", r.failure ? json_of(*r.failure) : Json()},
       {"warnings", Json(r.warnings)},
       {"options", json_of(r.options)},
       {"before", json_of(r.before)},
       {"actions", json_of(r.actions)},
+      {"holes", list_of(r.holes)},
+      {"components", list_of(r.components)},
+      {"changes", list_of(r.changes)},
+      {"losses", list_of(r.losses)},
+      {"recentred_by", json_of(r.recentred_by)},
       {"grid", json_of(r.grid)},
       {"smoothing", json_of(r.smoothing)},
       {"after", r.after.facets > 0 ? json_of(r.after) : Json()},

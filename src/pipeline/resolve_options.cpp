@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
 constexpr double kCellsAcross = 6;             // of the mean thickness
+constexpr double kCellsAcrossShell = 4;        // of the thickness of a shell that was asked for
 constexpr double kCreaseShare = 0.3;           // of the surface may lie within a cell's width along creases
 constexpr double kCreaseCosine = 0.766;        // of the angle between normals, 40 degrees: sharper edges are creases
 constexpr double kLeastHeight = 0.01;          // of a facet over its edge: flatter ones have no reliable normal
@@ -35,11 +36,12 @@ std::uint64_t bytes_for(std::size_t facets, double surface_area, double cell, do
   return static_cast<std::uint64_t>(std::min(bytes, 0x1p62));
 }
 
-// The finest cell from `cell` upwards that fits the budget.
-double fitted_cell(const CleanOptions& asked, const TriangleSoup& prepared, double diagonal, double cell) {
+// The finest cell from `cell` upwards that fits the budget. `band` gives the cells around the surface for a cell.
+template <class Band>
+double fitted_cell(std::uint64_t budget, const TriangleSoup& prepared, double cell, Band&& band) {
   const double surface_area = area(prepared);
   for (int i = 0; i < 200; ++i) {
-    if (bytes_for(prepared.facets.size(), surface_area, cell, band_of(asked.smooth, diagonal, cell)) <= asked.memory_bytes) break;
+    if (bytes_for(prepared.facets.size(), surface_area, cell, band(cell)) <= budget) break;
     cell *= 1.05;
   }
   return cell;
@@ -93,31 +95,40 @@ std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double ba
   return bytes_for(prepared.facets.size(), area(prepared), cell, band);
 }
 
-ResolvedOptions resolve_options(const CleanOptions& asked, const TriangleSoup& prepared, std::vector<std::string>& warnings) {
-  const Box3 box = bounding_box(prepared);
-  const double diagonal = box.diagonal();
+ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
+  const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, 0)) : std::nullopt; };
   ResolvedOptions resolved;
   resolved.memory_bytes = asked.memory_bytes;
+  resolved.gap = length(asked.gap);
+  resolved.max_hole = asked.keep_openings ? std::optional(0.0) : length(asked.max_hole);
+  resolved.thicken = length(asked.thicken);
+  return resolved;
+}
+
+void resolve_cell(const CleanOptions& asked, const TriangleSoup& prepared, ResolvedOptions& resolved, std::vector<std::string>& warnings) {
+  const Box3 box = bounding_box(prepared);
+  const double diagonal = box.diagonal(), half_shell = 0.5 * resolved.thicken.value_or(0);
+  const auto band = [&](double cell) { return band_of(asked.smooth, diagonal, cell) + half_shell / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
-    const double wanted = default_cell(prepared, diagonal, asked.smooth);
-    resolved.cell = fitted_cell(asked, prepared, diagonal, wanted);
+    double wanted = default_cell(prepared, diagonal, asked.smooth);
+    if (resolved.thicken) wanted = std::min(wanted, *resolved.thicken / kCellsAcrossShell);
+    resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));
   } else {
     resolved.cell = asked_cell(asked, box);
-    const std::uint64_t needed = planned_bytes(prepared, resolved.cell, band_of(asked.smooth, diagonal, resolved.cell));
+    const std::uint64_t needed = planned_bytes(prepared, resolved.cell, band(resolved.cell));
     if (needed > asked.memory_bytes)
       throw Error(ErrorCode::memory_limit,
                   fmt::format("a cell of {:.4g} ({:.0f} along the longest side) needs about {:.1f} GB; the budget is {:.1f} GB", resolved.cell,
                               box.longest_side() / resolved.cell, static_cast<double>(needed) * 0x1p-30,
                               static_cast<double>(asked.memory_bytes) * 0x1p-30),
-                  fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked, prepared, diagonal, resolved.cell)));
+                  fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked.memory_bytes, prepared, resolved.cell, band)));
   }
   resolved.cells_along_longest_side = box.longest_side() / resolved.cell;
   resolved.smooth = asked.smooth.in_model_units(diagonal, resolved.cell);
   if (asked.deviation) resolved.deviation = asked.deviation->in_model_units(diagonal, resolved.cell);
-  return resolved;
 }
 
 }  // namespace burnish

@@ -165,15 +165,29 @@ class Membrane {
   std::vector<Vec3> points_;
 };
 
+std::vector<Vec3> points_of(const Loop& loop, const TriangleSoup& soup) {
+  std::vector<Vec3> points;
+  for (const std::uint32_t p : loop) points.push_back(soup.points[p]);
+  return points;
+}
+
+// The cap's facets are the last ones of the soup.
+void finish(Cap& cap, const TriangleSoup& soup) {
+  cap.facet_count = soup.facets.size() - cap.first_facet;
+  cap.hole.filled = true;
+  cap.hole.area = 0;
+  for (std::size_t f = cap.first_facet; f < soup.facets.size(); ++f) cap.hole.area += 0.5 * norm(facet_normal_2a(soup, f));
+}
+
 }  // namespace
 
 CappedSoup cap_boundary(const TriangleSoup& oriented) {
-  CappedSoup result{oriented, oriented.facets.size(), 0, 0};
+  CappedSoup result{oriented, oriented.facets.size(), {}, 0};
   TriangleSoup& soup = result.soup;
   double budget = kLeastAreaBudget;
   for (const Loop& loop : split_into_loops(missing_edges(oriented))) {
     if (loop.size() < 3) continue;  // two opposite edges cancel
-    ++result.loops;
+    Cap cap{measure_hole(points_of(loop, soup)), soup.facets.size(), 0};
     const double n = static_cast<double>(loop.size());
     if (loop.size() <= kLeastAreaLimit && n * n * n / 6 <= budget) {
       budget -= n * n * n / 6;
@@ -181,9 +195,10 @@ CappedSoup cap_boundary(const TriangleSoup& oriented) {
     } else {
       Membrane(loop, soup).add_to(soup, loop);
     }
+    finish(cap, soup);
+    result.cap_area += cap.hole.area;
+    result.caps.push_back(cap);
   }
-  for (std::size_t f = result.first_cap_facet; f < soup.facets.size(); ++f)
-    result.cap_area += 0.5 * norm(facet_normal_2a(soup, f));
   return result;
 }
 

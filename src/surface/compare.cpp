@@ -25,9 +25,6 @@ struct Moments {
     sum_squares += squared;
     ++count;
   }
-  friend Moments operator+(const Moments& a, const Moments& b) {
-    return {std::max(a.max, b.max), a.sum + b.sum, a.sum_squares + b.sum_squares, a.count + b.count};
-  }
 };
 
 // cumulative[f]: area of all facets before f; the last entry is the total.
@@ -52,43 +49,75 @@ Vec3 point_on_facet(const TriangleSoup& soup, std::size_t f, std::size_t i) {
   return a + (soup.corner(f, 1) - a) * u + (soup.corner(f, 2) - a) * v;
 }
 
+// The distances of points 0 ... samples - 1, squared.
 template <class Point>
-Moments measure(std::size_t samples, const TriangleIndex& to, Point&& point) {
-  return parallel_reduce(
-      samples, kGrain, Moments{},
-      [&](std::size_t begin, std::size_t end) {
-        Moments m;
-        for (std::size_t i = begin; i < end; ++i) m.add(to.closest(point(i)).squared_distance);
-        return m;
-      },
-      [](const Moments& a, const Moments& b) { return a + b; });
+std::vector<double> squared_distances(std::size_t samples, const TriangleIndex& to, Point&& point) {
+  std::vector<double> squared(samples);
+  parallel_for(samples, [&](std::size_t i) { squared[i] = to.closest(point(i)).squared_distance; }, kGrain);
+  return squared;
+}
+
+Moments moments_of(const std::vector<double>& squared) {
+  Moments m;
+  for (const double d2 : squared) m.add(d2);
+  return m;
+}
+
+// Some facet around each of the points.
+std::vector<std::uint32_t> facets_at_points(const TriangleSoup& soup) {
+  std::vector<std::uint32_t> facet(soup.points.size(), 0);
+  for (std::uint32_t f = 0; f < soup.facets.size(); ++f)
+    for (const std::uint32_t p : soup.facets[f]) facet[p] = f;
+  return facet;
 }
 
 }  // namespace
 
-OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to, const CompareOptions& options) {
+OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to, const CompareOptions& options,
+                                    std::vector<FarSample>* far) {
   if (from.facets.empty() || to.facet_count() == 0) return {};
   const std::vector<double> cumulative = cumulative_areas(from);
   const double total = cumulative.back();
   const std::size_t n = total > 0 ? options.area_samples : 0;
-  const Moments by_area = measure(n, to, [&](std::size_t i) {
+  const auto facet_of_sample = [&](std::size_t i) {
     const double target = (static_cast<double>(i) + 0.5) / static_cast<double>(n) * total;
-    const auto it = std::upper_bound(cumulative.begin(), cumulative.end() - 1, target);
-    return point_on_facet(from, static_cast<std::size_t>(it - cumulative.begin()) - 1, i);
-  });
+    return static_cast<std::size_t>(std::upper_bound(cumulative.begin(), cumulative.end() - 1, target) - cumulative.begin()) - 1;
+  };
+  const auto on_surface = [&](std::size_t i) { return point_on_facet(from, facet_of_sample(i), i); };
+  const std::vector<double> by_area = squared_distances(n, to, on_surface);
   const std::size_t points = from.points.size();
   const std::size_t picked = std::min(points, options.vertex_samples);
-  const Moments by_vertex =
-      measure(picked, to, [&](std::size_t i) { return from.points[i * points / std::max<std::size_t>(picked, 1)]; });
-  const Moments& mean_of = by_area.count ? by_area : by_vertex;
+  const auto vertex_of_sample = [&](std::size_t i) { return i * points / std::max<std::size_t>(picked, 1); };
+  const std::vector<double> by_vertex =
+      squared_distances(picked, to, [&](std::size_t i) { return from.points[vertex_of_sample(i)]; });
+
+  if (far) {
+    const double limit = options.far_beyond * options.far_beyond;
+    for (std::size_t i = 0; i < n; ++i)
+      if (by_area[i] > limit)
+        far->push_back({on_surface(i), std::sqrt(by_area[i]), static_cast<std::uint32_t>(facet_of_sample(i)), total / static_cast<double>(n)});
+    std::vector<std::uint32_t> facet;
+    for (std::size_t i = 0; i < picked; ++i) {
+      if (!(by_vertex[i] > limit)) continue;
+      if (facet.empty()) facet = facets_at_points(from);
+      const std::size_t p = vertex_of_sample(i);
+      far->push_back({from.points[p], std::sqrt(by_vertex[i]), facet[p], 0});
+    }
+  }
+  const Moments area_moments = moments_of(by_area), vertex_moments = moments_of(by_vertex);
+  const Moments& mean_of = area_moments.count ? area_moments : vertex_moments;
   OneSidedDistance result;
-  result.max = std::max(by_area.max, by_vertex.max);
+  result.max = std::max(area_moments.max, vertex_moments.max);
   if (mean_of.count) {
     result.mean = mean_of.sum / static_cast<double>(mean_of.count);
     result.rms = std::sqrt(mean_of.sum_squares / static_cast<double>(mean_of.count));
   }
-  result.samples = by_area.count + by_vertex.count;
+  result.samples = area_moments.count + vertex_moments.count;
   return result;
+}
+
+OneSidedDistance diluted(const OneSidedDistance& measured, double share) {
+  return {measured.max, measured.mean * share, measured.rms * std::sqrt(share), measured.samples};
 }
 
 MissingComponents missing_components(const TriangleSoup& welded, const TriangleIndex& other, double tolerance) {

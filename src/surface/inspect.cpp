@@ -4,6 +4,7 @@
 
 #include "burnish/core/union_find.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/shells.h"
 #include "facet_kinds.h"
 
 namespace burnish {
@@ -108,6 +109,8 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
     defects.self_intersections_counted = true;
     if (result.self_intersections.size() > options.max_collected_pairs)
       result.self_intersections.resize(options.max_collected_pairs);
+    if (defects.closed_manifold() && defects.self_intersecting_pairs == 0)
+      defects.misnested_shells = count_misnested(find_shells(welded));
   }
   return result;
 }

@@ -182,7 +182,7 @@ TEST(Sign, HoleIsClosedByItsCap) {
   for (std::size_t f = 0; f < shell.facets.size(); ++f)
     if (shell.corner(f, 0).z > 0.95) missing.push_back(f);
   const CappedSoup capped = cap_boundary(without_facets(shell, missing));
-  ASSERT_EQ(capped.loops, 1u);
+  ASSERT_EQ(capped.caps.size(), 1u);
   const LevelSetFromTriangles result = make(capped.soup, 1.0 / 16);
   EXPECT_EQ(result.regions, 2u);
   EXPECT_EQ(result.ambiguous_regions, 0u);
@@ -197,7 +197,7 @@ TEST(Sign, PartitionWallsAreNoSurface) {
   soup.points.insert(soup.points.end(), {{0.47, 0, 0}, {0.47, 1, 0}, {0.47, 1, 1}, {0.47, 0, 1}});
   soup.facets.insert(soup.facets.end(), {{8, 9, 10}, {8, 10, 11}});
   const CappedSoup capped = cap_boundary(soup);
-  EXPECT_EQ(capped.loops, 1u);
+  EXPECT_EQ(capped.caps.size(), 1u);
   const LevelSetFromTriangles result = make(capped.soup, 1.0 / 16);
   EXPECT_EQ(result.regions, 3u);
   EXPECT_EQ(result.ambiguous_regions, 0u);

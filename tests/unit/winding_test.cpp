@@ -218,7 +218,7 @@ TEST(BoundaryCaps, DirectedEdgesSumToZeroWhateverIsMissing) {
 
 TEST(BoundaryCaps, ClosedSurfacesGetNone) {
   const CappedSoup capped = cap_boundary(merged(icosphere(2), torus(20, 10)));
-  EXPECT_EQ(capped.loops, 0u);
+  EXPECT_EQ(capped.caps.size(), 0u);
   EXPECT_EQ(capped.cap_area, 0);
   EXPECT_EQ(capped.first_cap_facet, capped.soup.facets.size());
 }
@@ -226,7 +226,7 @@ TEST(BoundaryCaps, ClosedSurfacesGetNone) {
 TEST(BoundaryCaps, OfPlanarLoopsHaveTheLoopsArea) {
   // A cube without its top: the cap is the top.
   const CappedSoup box = cap_boundary(without_facets(cube(), {2, 3}));
-  EXPECT_EQ(box.loops, 1u);
+  EXPECT_EQ(box.caps.size(), 1u);
   EXPECT_NEAR(box.cap_area, 1, 1e-14);
   EXPECT_NEAR(signed_volume(box.soup), 1, 1e-14);
   // An L: not convex, so that a fan from its centroid would be larger. Walls of height 1 around it, and its floor.
@@ -242,7 +242,7 @@ TEST(BoundaryCaps, OfPlanarLoopsHaveTheLoopsArea) {
   tub.facets.insert(tub.facets.end(), {{0, 3, 1}, {1, 3, 2}, {0, 5, 3}, {3, 5, 4}});
   ASSERT_EQ(boundary(tub).size(), 6u);
   const CappedSoup capped = cap_boundary(tub);
-  EXPECT_EQ(capped.loops, 1u);
+  EXPECT_EQ(capped.caps.size(), 1u);
   EXPECT_NEAR(capped.cap_area, 5, 1e-13);
   EXPECT_NEAR(signed_volume(capped.soup), 5, 1e-13);
 }
@@ -271,7 +271,7 @@ TEST(BoundaryCaps, RestoreTheVolumeOfABallWithHoles) {
     for (const Vec3& hole : {Vec3{1, 0, 0}, Vec3{0, -1, 0}, Vec3{0.6, 0.6, 0.53}})
       if (norm(ball.corner(f, 0) - hole) < 0.2) missing.push_back(f);
   const CappedSoup capped = cap_boundary(without_facets(ball, missing));
-  EXPECT_EQ(capped.loops, 3u);
+  EXPECT_EQ(capped.caps.size(), 3u);
   EXPECT_TRUE(boundary(capped.soup).empty());
   // A cap of base radius a has the volume pi a^4 / 4 of this unit ball: three of 0.2 make 0.1 %.
   EXPECT_NEAR(signed_volume(capped.soup), signed_volume(ball), 2e-3 * signed_volume(ball));

@@ -2,12 +2,21 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "burnish/core/progress.h"
 #include "burnish/levelset/level_set.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
+
+// What a facet is to the solid.
+enum class FacetRole : std::uint8_t {
+  boundary,    // part of its surface
+  interior,    // inside, where bodies overlap
+  unresolved,  // outside on both sides: a sheet, or a wall thinner than a cell
+};
 
 struct LevelSetFromTriangles {
   LevelSet level_set;
@@ -17,6 +26,7 @@ struct LevelSetFromTriangles {
   std::size_t interior_facets = 0;     // inside the solid (of overlapping bodies): no part of its surface
   std::size_t unresolved_facets = 0;   // outside on both sides: sheets, or walls thinner than a cell
   double unresolved_area = 0;          // of the latter, in cells squared
+  std::vector<FacetRole> roles;        // of every facet
 };
 
 struct LevelSetOptions {
@@ -33,6 +43,11 @@ struct LevelSetOptions {
 // Throws Error{interrupted}. Same bits for any number of threads.
 LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const GridFrame& frame, const LevelSetOptions& options = {},
                                                Progress& progress = no_progress());
+
+// The level set of a shell of thickness 2 `half_thickness` (cells) about the facets, whatever they bound or do not bound:
+// half_thickness - distance, exact where |phi| <= `band`.
+LevelSet level_set_of_shell(const TriangleSoup& soup, const GridFrame& frame, double half_thickness, const LevelSetOptions& options = {},
+                            Progress& progress = no_progress());
 
 // The soup in lattice coordinates of the frame.
 TriangleSoup to_lattice(const TriangleSoup& soup, const GridFrame& frame);

@@ -3,15 +3,42 @@
 
 #include <cstdint>
 #include <optional>
+#include <string_view>
 
 #include "burnish/core/length.h"
 
 namespace burnish {
 
-// As asked. Lengths may be relative; `resolve` (pipeline/clean.cpp) turns them into model units once.
+// The two gears of repair. *Local* mends the facets that are broken and leaves all others as they are, bit for bit;
+// *level set* rebuilds the whole surface from the solid it bounds.
+enum class Method {
+  automatic,  // local where its result verifies and nothing is lost; else, or to smooth, the level set
+  local,      // local, or an error
+  level_set,
+};
+
+// What a body inside a body is.
+enum class Nesting {
+  automatic,  // a cavity if it is oriented against what surrounds it; else part of the solid
+  solid,      // always part of the solid: cavities are filled
+  cavity,     // every second layer is a cavity, however it is oriented
+};
+
+std::string_view name(Method method);    // "auto", "local", "levelset"
+std::string_view name(Nesting nesting);  // "auto", "solid", "cavity"
+
+// A volume in the model's units, or a share of the largest component's.
+struct VolumeLimit {
+  double value = 0;
+  bool percent_of_largest = false;
+};
+
+// As asked. Lengths may be relative; they become model units once (pipeline/resolve_options.h).
 struct CleanOptions {
+  Method method = Method::automatic;
+  Nesting nesting = Nesting::automatic;
   // Side of the finest cells. At most one of `cell` and `resolution` is set; with neither, the cell
-  // follows from the mean edge and the diagonal (docs/choosing-parameters.md).
+  // follows from the model (docs/choosing-parameters.md). Either of them asks for the level set.
   std::optional<Length> cell;
   // Cells along the longest side of the bounding box.
   std::optional<int> resolution;
@@ -19,17 +46,36 @@ struct CleanOptions {
   Length smooth{};
   // Bound on the distance between the smoothed and the repaired surface. Unset: no bound.
   std::optional<Length> deviation;
+  // Points of open edges closer than this are joined: closes cracks up to that width.
+  std::optional<Length> gap;
+  // Openings wider than this stay open: the diameter of a circle of the same perimeter. Unset: all are closed.
+  std::optional<Length> max_hole;
+  // No opening is closed: max_hole of zero.
+  bool keep_openings = false;
+  // The result is a shell of this thickness about all facets.
+  std::optional<Length> thicken;
+  // Only the component with the largest volume stays.
+  bool keep_largest = false;
+  // Components with less volume than this are dropped.
+  std::optional<VolumeLimit> min_component;
+  // Moves the model so that its bounding box is centred near the origin.
+  bool recentre = false;
   // The run plans to stay below this many bytes: a default cell is coarsened for it, an explicit one
   // that needs more ends the run with Error{memory_limit}.
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+
+  bool keeps_openings() const { return keep_openings || max_hole; }
 };
 
 // As resolved, in model units.
 struct ResolvedOptions {
-  double cell = 0;
+  double cell = 0;               // 0: no level set was built
   double cells_along_longest_side = 0;
   double smooth = 0;
   std::optional<double> deviation;
+  std::optional<double> gap;
+  std::optional<double> max_hole;  // openings wider than this stay; unset: none does
+  std::optional<double> thicken;
   std::uint64_t memory_bytes = 0;
   bool cell_was_chosen = false;  // by default rule, not by the user
 };

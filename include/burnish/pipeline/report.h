@@ -9,6 +9,7 @@
 #include "burnish/core/timer.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/compare.h"
+#include "burnish/surface/hole.h"
 #include "burnish/surface/inspect.h"
 
 namespace burnish {
@@ -16,10 +17,11 @@ namespace burnish {
 // Raised when a field changes its meaning; new fields do not raise it. docs/report.schema.json.
 inline constexpr int kReportVersion = 1;
 
-// What was done to the input's facets before the level set saw them.
+// What was done to the input's facets. Either gear drops, welds, flips and caps; then each has lines of its own.
 struct RepairActions {
   std::size_t degenerate_facets_dropped = 0;
   std::size_t duplicate_facets_dropped = 0;
+  std::size_t wall_facets_dropped = 0;    // copies back to back, between two bodies or of a sheet
   std::size_t points_welded_within_tolerance = 0;
   double weld_tolerance = 0;              // 0: welded by exact coordinates only
   std::size_t facets_flipped = 0;
@@ -29,8 +31,43 @@ struct RepairActions {
   std::size_t interior_facets_ignored = 0;  // of overlapping bodies: no part of the outer surface
   std::size_t unresolved_facets = 0;      // of sheets, or details thinner than a cell, that the result does not show
   double unresolved_area = 0;             // theirs, model units squared
+  // The level set gear's.
   std::size_t components_lost = 0;        // of the input, that the result has nothing of
-  double area_lost = 0;                   // of theirs, model units squared
+  double area_lost = 0;                   // of all parts that it is not near to, model units squared
+  // The local gear's.
+  std::size_t needles_flipped = 0;        // facets without an area, taken out by flipping an edge
+  std::size_t points_split = 0;           // that several fans shared, and were moved apart
+  double largest_split = 0;               // how far, model units
+  std::size_t intersecting_pairs_removed = 0;
+  std::size_t facets_kept = 0;            // bit for bit
+  std::size_t facets_removed = 0;         // of the input
+  std::size_t facets_added = 0;           // to it
+};
+
+// What became of a component of the input, and why.
+struct ComponentFate {
+  Vec3 position;          // a point on it
+  std::size_t facets = 0;
+  double area = 0;
+  double volume = 0;      // signed, as oriented in the end
+  std::string fate;       // "kept", "cavity", "merged", "absorbed", "dropped", "lost"
+  std::string reason;     // empty for "kept"
+};
+
+// A part of the input that the result is not near to.
+struct Loss {
+  Vec3 position;          // where the input is farthest from the result
+  double distance = 0;    // how far
+  double area = 0;        // of the input's surface concerned, model units squared
+  std::size_t samples = 0;
+  std::string reason;
+};
+
+// A place where the local gear changed facets.
+struct Change {
+  Vec3 position;          // middle of its box
+  double extent = 0;      // the box' diagonal
+  std::size_t facets_removed = 0, facets_added = 0;
 };
 
 // The size of the discretisation.
@@ -50,6 +87,8 @@ struct SmoothingSummary {
 };
 
 struct RepairReport {
+  std::string method;         // "local" or "levelset"; empty if neither was reached
+  std::string method_reason;  // why that one
   std::string input;
   std::string input_format;
   std::string output;
@@ -57,11 +96,17 @@ struct RepairReport {
   ResolvedOptions options;
   Defects before;
   RepairActions actions;
+  std::vector<Hole> holes;                // largest first
+  std::vector<ComponentFate> components;  // largest first
+  std::vector<Change> changes;            // of the local gear, largest first
+  std::vector<Loss> losses;               // largest first; empty: the result is near everything
+  Vec3 recentred_by;                      // what was subtracted from all coordinates
   GridSummary grid;
   SmoothingSummary smoothing;
   Defects after;              // of the written file, read back
   Deviation deviation;        // of the written file, read back
-  bool verified = false;      // the written file is a valid solid
+  bool verified = false;      // the written file is a valid solid, or a valid sheet where openings were to stay
+  bool is_sheet = false;      // openings were to stay, and there are some
   bool written = false;       // the output stands under its final name
   std::vector<std::string> warnings;
   std::optional<Error> failure;  // why the run could not deliver what it promises

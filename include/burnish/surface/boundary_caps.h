@@ -8,15 +8,23 @@
 #pragma once
 
 #include <cstddef>
+#include <vector>
 
+#include "burnish/surface/hole.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
 
+// A loop of three edges or more, and the facets that fill it.
+struct Cap {
+  Hole hole;
+  std::size_t first_facet = 0, facet_count = 0;
+};
+
 struct CappedSoup {
-  TriangleSoup soup;               // the input's facets, then the caps' (which may bring points of their own)
+  TriangleSoup soup;       // the input's facets, then the caps' (which may bring points of their own)
   std::size_t first_cap_facet = 0;
-  std::size_t loops = 0;           // loops of three edges or more that were capped
+  std::vector<Cap> caps;   // in the order of their facets
   double cap_area = 0;
 };
 

@@ -2,6 +2,9 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <limits>
+#include <vector>
 
 #include "burnish/surface/triangle_soup.h"
 
@@ -28,13 +31,27 @@ struct CompareOptions {
   std::size_t area_samples = 60'000;
   // Vertices taken as samples, evenly spread over the point list; these find the extremes at corners.
   std::size_t vertex_samples = 60'000;
+  // Samples farther away than this are listed, if a list is given.
+  double far_beyond = std::numeric_limits<double>::infinity();
+};
+
+// A sample that the other surface is far from.
+struct FarSample {
+  Vec3 at;
+  double distance = 0;
+  std::uint32_t facet = 0;  // it lies on
+  double area = 0;          // of the surface that it stands for; 0 for a vertex
 };
 
 // Samples `from` and measures each sample's exact distance to the surface behind `to`.
 // mean and rms are over the area samples (so they do not depend on how finely `from` is cut into
 // triangles), max over all samples. Same bits for any number of threads.
+// `far`, if given, gets the samples beyond options.far_beyond.
 OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to,
-                                    const CompareOptions& options = {});
+                                    const CompareOptions& options = {}, std::vector<FarSample>* far = nullptr);
+
+// The distances of a surface of which only this share of the area was measured, the rest being known to coincide.
+OneSidedDistance diluted(const OneSidedDistance& measured, double share);
 
 // Components of one surface that another has nothing of.
 struct MissingComponents {

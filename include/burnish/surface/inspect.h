@@ -28,6 +28,9 @@ struct Defects {
   std::size_t non_manifold_edges = 0;   // used by three or more facets
   std::size_t non_manifold_points = 0;  // whose facets form more than one edge-connected fan
   std::size_t misoriented_edges = 0;    // used by two facets that run it in the same direction
+  // Shells turned inside out, or solid inside a solid (surface/shells.h). Looked for only where nothing of the
+  // above and no self-intersection is wrong.
+  std::size_t misnested_shells = 0;
   std::size_t self_intersecting_pairs = 0;  // of facets; exact; sharing an edge or a point alone is none
   bool self_intersections_counted = false;
   double volume = 0;                    // signed; means something only when closed and oriented
@@ -42,7 +45,12 @@ struct Defects {
   }
   // Closed, 2-manifold, oriented outwards, bounding a volume, free of self-intersections.
   bool valid_solid() const {
-    return closed_manifold() && volume > 0 && self_intersections_counted && self_intersecting_pairs == 0;
+    return closed_manifold() && volume > 0 && misnested_shells == 0 && self_intersections_counted && self_intersecting_pairs == 0;
+  }
+  // What a valid sheet is: 2-manifold with open edges, consistently oriented, free of self-intersections.
+  bool valid_sheet() const {
+    return facets > 0 && open_edges > 0 && degenerate_facets == 0 && duplicate_facets == 0 && non_manifold_edges == 0 &&
+           non_manifold_points == 0 && misoriented_edges == 0 && self_intersections_counted && self_intersecting_pairs == 0;
   }
 };
 

@@ -1,0 +1,122 @@
+#include "level_set_gear.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "burnish/core/parallel.h"
+#include "burnish/extract/trim.h"
+#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/surface/triangle_index.h"
+#include "resolve_options.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kNegligibleArea = 1e-4;  // of the input's: unresolved details beyond this are worth a warning
+constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
+constexpr double kUnsmoothedBand = 3;     // cells of exact distances around the surface
+constexpr double kDomainMargin = 11;      // cells between the band and the walls
+
+// Smoothing and extraction look no farther than the band, so the far field is left out.
+LevelSetOptions level_set_options(const ResolvedOptions& options) {
+  LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
+  const double smooth_cells = options.smooth / options.cell;
+  if (smooth_cells <= 0) return set;
+  set.room = room_for_smoothing(smooth_cells);
+  // A bound on the deviation is held against exact distances.
+  const double bound = options.deviation ? *options.deviation / options.cell : 0;
+  set.band = std::max(kFlowBand, std::min(bound, set.room) + 1);
+  return set;
+}
+
+void tell_grid(const Octree& tree, RepairReport& report) {
+  report.grid.blocks = tree.size();
+  report.grid.levels = tree.depth() + 1;
+  for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) report.grid.finest_blocks += tree.level(leaf) == 0;
+}
+
+// Facets without an area bound nothing, and their distances are their neighbours'.
+std::vector<std::uint32_t> facets_with_area(const TriangleSoup& soup) {
+  std::vector<std::uint32_t> facets;
+  for (std::uint32_t f = 0; f < soup.facets.size(); ++f)
+    if (squared_norm(facet_normal_2a(soup, f)) > 0) facets.push_back(f);
+  return facets;
+}
+
+void tell_unresolved(const LevelSetFromTriangles& built, RepairReport& report) {
+  const double cell = report.options.cell;
+  report.actions.ambiguous_regions = built.ambiguous_regions;
+  report.actions.interior_facets_ignored = built.interior_facets;
+  report.actions.unresolved_facets = built.unresolved_facets;
+  report.actions.unresolved_area = built.unresolved_area * cell * cell;
+  if (report.actions.unresolved_area > kNegligibleArea * report.before.area)
+    report.warnings.push_back(
+        fmt::format("{} facets ({:.3g} of area) bound sheets or walls thinner than a cell of {:.4g} and are not in the result; "
+                    "choose a smaller --cell if they matter",
+                    built.unresolved_facets, report.actions.unresolved_area, cell));
+}
+
+}  // namespace
+
+BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& report, Progress& progress) {
+  const ResolvedOptions& options = report.options;
+  const LevelSetOptions set = level_set_options(options);
+  BuiltLevelSet result;
+  result.roles.assign(prepared.capped.soup.facets.size(), FacetRole::boundary);
+  const double half = options.thicken ? 0.5 * *options.thicken / options.cell : 0;
+  const double reach = set.band + set.room + half;
+  if (options.thicken) {
+    const GridFrame frame = make_frame(bounding_box(prepared.oriented), options.cell, reach + kDomainMargin);
+    result.level_set = level_set_of_shell(prepared.oriented, frame, half, set, progress);
+  } else {
+    const std::vector<std::uint32_t> facets = facets_with_area(prepared.capped.soup);
+    TriangleSoup solid{prepared.capped.soup.points, {}, {}};
+    for (const std::uint32_t f : facets) solid.facets.push_back(prepared.capped.soup.facets[f]);
+    const GridFrame frame = make_frame(bounding_box(solid), options.cell, reach + kDomainMargin);
+    LevelSetFromTriangles built = level_set_from_triangles(solid, frame, set, progress);
+    for (std::size_t i = 0; i < facets.size(); ++i) result.roles[facets[i]] = built.roles[i];
+    tell_unresolved(built, report);
+    result.level_set = std::move(built.level_set);
+  }
+  tell_grid(result.level_set.octree(), report);
+  report.grid.bytes_planned = planned_bytes(prepared.capped.soup, options.cell, reach);
+  return result;
+}
+
+void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
+  const ResolvedOptions& options = report.options;
+  SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true};
+  if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
+  const SmoothingResult done = smooth_by_flow(level_set, in_cells, progress);
+  const double square = options.cell * options.cell;
+  report.smoothing = {options.smooth, done.flow.time * square, done.flow.steps, done.volume_before * square * options.cell,
+                      done.volume_after * square * options.cell};
+  const double drift = done.volume_after / done.volume_before - 1;
+  if (!(std::abs(drift) <= kVolumeKept))
+    report.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,
+                                          options.deviation ? "the bound on the deviation did not let it be restored"
+                                                            : "the smoothing length is too large for this model"));
+}
+
+TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, double max_hole) {
+  const TriangleSoup& all = prepared.capped.soup;
+  TriangleSoup kept{all.points, {}, {}}, openings{all.points, {}, {}};
+  kept.facets.assign(all.facets.begin(), all.facets.begin() + static_cast<std::ptrdiff_t>(prepared.capped.first_cap_facet));
+  for (const Cap& cap : prepared.capped.caps) {
+    TriangleSoup& to = cap.hole.width() > max_hole ? openings : kept;
+    const auto begin = all.facets.begin() + static_cast<std::ptrdiff_t>(cap.first_facet);
+    to.facets.insert(to.facets.end(), begin, begin + static_cast<std::ptrdiff_t>(cap.facet_count));
+  }
+  if (openings.facets.empty()) return surface;
+  const TriangleIndex near_kept(kept), near_openings(openings);
+  std::vector<double> values(surface.points.size());
+  parallel_for(values.size(), [&](std::size_t i) {
+    const Vec3& p = surface.points[i];
+    values[i] = std::sqrt(near_openings.closest(p).squared_distance) - std::sqrt(near_kept.closest(p).squared_distance);
+  });
+  return trim_negative(surface, values);
+}
+
+}  // namespace burnish

@@ -1,0 +1,180 @@
+#include "local_gear.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "burnish/core/union_find.h"
+#include "burnish/surface/local_repair.h"
+#include "burnish/surface/triangle_index.h"
+#include "burnish/surface/weld.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kVolumeTolerance = 0.02;   // of the prepared input's volume
+constexpr std::size_t kMostChanges = 1000;  // listed
+
+TriangleSoup picked(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
+  TriangleSoup part;
+  part.points = soup.points;
+  for (const std::uint32_t f : facets) part.facets.push_back(soup.facets[f]);
+  return weld(std::move(part));
+}
+
+// The prepared facets that are not of absorbed shells.
+std::vector<std::uint32_t> facets_in_use(const PreparedInput& prepared) {
+  std::vector<std::uint32_t> facets;
+  for (std::uint32_t f = 0; f < prepared.oriented.facets.size(); ++f)
+    if (!prepared.absorbed[prepared.shells.of_facet[f]]) facets.push_back(f);
+  return facets;
+}
+
+double expected_volume(const PreparedInput& prepared) {
+  double volume = 0;
+  for (std::size_t s = 0; s < prepared.shells.shells.size(); ++s)
+    if (!prepared.absorbed[s]) volume += prepared.shells.shells[s].volume;
+  return volume;
+}
+
+// What two surfaces do not have in common.
+struct Difference {
+  std::vector<std::uint32_t> removed;  // facets of the input
+  std::vector<std::uint32_t> added;    // facets of the result that fill no hole
+  std::vector<std::uint32_t> filling;
+};
+
+Difference difference(const LocalSolution& solution, std::size_t input_facets) {
+  Difference d;
+  std::vector<char> kept(input_facets, 0);
+  for (std::uint32_t f = 0; f < solution.source.size(); ++f) {
+    if (solution.source[f] != kNewFacet)
+      kept[solution.source[f]] = 1;
+    else
+      (solution.fills_hole[f] ? d.filling : d.added).push_back(f);
+  }
+  for (std::uint32_t f = 0; f < input_facets; ++f)
+    if (!kept[f]) d.removed.push_back(f);
+  return d;
+}
+
+double area_of(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
+  double sum = 0;
+  for (const std::uint32_t f : facets) sum += 0.5 * norm(facet_normal_2a(soup, f));
+  return sum;
+}
+
+// The places where facets changed: sets of removed and added facets that share points.
+std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, const TriangleSoup& result) {
+  TriangleSoup both;
+  both.points = welded.points;
+  both.points.insert(both.points.end(), result.points.begin(), result.points.end());
+  const auto shift = static_cast<std::uint32_t>(welded.points.size());
+  for (const std::uint32_t f : d.removed) both.facets.push_back(welded.facets[f]);
+  for (const auto* list : {&d.added, &d.filling})
+    for (const std::uint32_t f : *list) {
+      Facet facet = result.facets[f];
+      for (std::uint32_t& p : facet) p += shift;
+      both.facets.push_back(facet);
+    }
+  both = weld(std::move(both));
+  UnionFind places(both.points.size());
+  for (const Facet& f : both.facets) {
+    places.unite(f[0], f[1]);
+    places.unite(f[1], f[2]);
+  }
+  std::vector<Change> change_at(both.points.size());
+  std::vector<Box3> box_at(both.points.size());
+  for (std::size_t f = 0; f < both.facets.size(); ++f) {
+    const std::uint32_t place = places.find(both.facets[f][0]);
+    ++(f < d.removed.size() ? change_at[place].facets_removed : change_at[place].facets_added);
+    for (int i = 0; i < 3; ++i) box_at[place].extend(both.corner(f, i));
+  }
+  std::vector<Change> changes;
+  for (std::size_t p = 0; p < change_at.size(); ++p) {
+    if (box_at[p].empty()) continue;
+    change_at[p].position = box_at[p].center();
+    change_at[p].extent = box_at[p].diagonal();
+    changes.push_back(change_at[p]);
+  }
+  std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
+    return a.facets_removed + a.facets_added > b.facets_removed + b.facets_added;
+  });
+  if (changes.size() > kMostChanges) changes.resize(kMostChanges);
+  return changes;
+}
+
+}  // namespace
+
+std::string reason_against_local(const CleanOptions& options) {
+  if (options.method == Method::level_set) return "asked for";
+  if (options.smooth.value > 0) return "smoothing was asked for";
+  if (options.thicken) return "a thickness was asked for";
+  if (options.method == Method::automatic && (options.cell || options.resolution)) return "a cell was asked for";
+  return {};
+}
+
+LocalSolution unchanged(const TriangleSoup& welded) {
+  LocalSolution solution{welded, std::vector<std::uint32_t>(welded.facets.size()), std::vector<char>(welded.facets.size(), 0)};
+  std::iota(solution.source.begin(), solution.source.end(), 0u);
+  return solution;
+}
+
+std::optional<LocalSolution> solve_locally(const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal) {
+  if (prepared.bodies_overlap) {
+    refusal = "bodies overlap: their union is needed";
+    return std::nullopt;
+  }
+  const std::vector<std::uint32_t> used = facets_in_use(prepared);
+  LocalRepairResult repaired =
+      repair_locally(picked(prepared.oriented, used), {.max_hole = report.options.max_hole}, progress);
+  if (!repaired.refusal.empty()) {
+    refusal = repaired.refusal;
+    return std::nullopt;
+  }
+  RepairActions& actions = report.actions;
+  actions.needles_flipped = repaired.needles_flipped;
+  actions.points_split = repaired.points_split;
+  actions.largest_split = repaired.largest_split;
+  actions.intersecting_pairs_removed = repaired.intersecting_pairs_removed;
+  report.holes = std::move(repaired.holes);
+  LocalSolution solution{std::move(repaired.soup), std::move(repaired.source), std::move(repaired.fills_hole)};
+  for (std::uint32_t& f : solution.source)
+    if (f != kNewFacet) f = prepared.source[used[f]];
+  return solution;
+}
+
+std::string objection_to(const LocalSolution& solution, const TriangleSoup& result, const TriangleSoup& welded,
+                         const PreparedInput& prepared, double tolerance, RepairReport& report) {
+  const Difference d = difference(solution, welded.facets.size());
+  report.actions.facets_removed = d.removed.size();
+  report.actions.facets_added = d.added.size() + d.filling.size();
+  report.actions.facets_kept = welded.facets.size() - d.removed.size();
+  report.deviation = {};
+  const double before = area(welded), after = area(result);
+  std::string objection;
+  if (!d.removed.empty()) {
+    const OneSidedDistance lost = one_sided_distance(picked(welded, d.removed), TriangleIndex(result));
+    report.deviation.input_to_output = diluted(lost, area_of(welded, d.removed) / before);
+    if (lost.max > tolerance) objection = fmt::format("{:.3g} away from the result something of the input would be lost", lost.max);
+  }
+  const std::vector<std::uint32_t>& added = d.added;
+  if (added.size() + d.filling.size() > 0) {
+    const TriangleIndex input(welded);
+    const OneSidedDistance moved = one_sided_distance(picked(result, added), input);
+    const OneSidedDistance filled = one_sided_distance(picked(result, d.filling), input);
+    if (moved.max > tolerance) objection = fmt::format("facets would come to lie {:.3g} away from the input", moved.max);
+    const double a = area_of(result, added) / after, b = area_of(result, d.filling) / after;
+    report.deviation.output_to_input = {std::max(moved.max, filled.max), moved.mean * a + filled.mean * b,
+                                        std::sqrt(moved.rms * moved.rms * a + filled.rms * filled.rms * b), moved.samples + filled.samples};
+  }
+  report.changes = changes_of(d, welded, result);
+  const double volume = expected_volume(prepared);
+  if (objection.empty() && !report.is_sheet && !(std::abs(report.after.volume - volume) <= kVolumeTolerance * std::abs(volume)))
+    objection = fmt::format("its volume of {:.6g} would not be the {:.6g} that the facets enclose", report.after.volume, volume);
+  return objection;
+}
+
+}  // namespace burnish

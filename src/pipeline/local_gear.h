@@ -1,0 +1,39 @@
+// The local gear: broken facets are mended, all others come out as they went in.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/core/progress.h"
+#include "burnish/pipeline/options.h"
+#include "burnish/pipeline/report.h"
+#include "burnish/surface/triangle_soup.h"
+#include "prepare_input.h"
+
+namespace burnish {
+
+// A surface to be written.
+struct LocalSolution {
+  TriangleSoup soup;                  // welded
+  std::vector<std::uint32_t> source;  // facet of the welded input with the same points, or kNewFacet
+  std::vector<char> fills_hole;
+};
+
+// Why these options rule the local gear out, or empty.
+std::string reason_against_local(const CleanOptions& options);
+
+// Mends the prepared input. Empty, with the reason in `refusal`, if that is not a matter of single facets.
+// Fills in the local gear's lines of report.actions, and report.holes.
+std::optional<LocalSolution> solve_locally(const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal);
+// The solution for an input that is valid as it is.
+LocalSolution unchanged(const TriangleSoup& welded);
+
+// Measures the result, as read back, against the welded input where the two differ; fills in report.deviation and
+// report.changes. Returns what is wrong with it: input or result farther than `tolerance` from the other, holes that were
+// filled aside, or a volume that is not that of the prepared input. Empty: nothing.
+std::string objection_to(const LocalSolution& solution, const TriangleSoup& result, const TriangleSoup& welded,
+                         const PreparedInput& prepared, double tolerance, RepairReport& report);
+
+}  // namespace burnish

@@ -1,0 +1,23 @@
+#include "burnish/pipeline/options.h"
+
+namespace burnish {
+
+std::string_view name(Method method) {
+  switch (method) {
+    case Method::local: return "local";
+    case Method::level_set: return "levelset";
+    case Method::automatic: break;
+  }
+  return "auto";
+}
+
+std::string_view name(Nesting nesting) {
+  switch (nesting) {
+    case Nesting::solid: return "solid";
+    case Nesting::cavity: return "cavity";
+    case Nesting::automatic: break;
+  }
+  return "auto";
+}
+
+}  // namespace burnish
