@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <optional>
 
 #include "burnish/core/error.h"
@@ -135,11 +134,6 @@ class CleanCommand : public Command {
     }
     if (quiet_ && verbose_) refuse("-q and -v exclude each other", "");
     if (job_.output != "-") static_cast<void>(format_for_writing(job_.output));
-  }
-
-  static bool same_file(const std::string& a, const std::string& b) {
-    namespace fs = std::filesystem;
-    return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
   }
 
   void print(const RepairReport& report, double seconds) const {
