@@ -126,12 +126,11 @@ Json json_of(const std::vector<StageCost>& stages) {
   return list;
 }
 
-Json json_of(const LocatedDefect& d) {
+Json json_of(const LocatedDefect& d, std::size_t index) {
   return {
-      {"kind", name(d.kind)},  {"position", json_of(d.position)},
-      {"box", json_of(d.box)}, {"count", d.count},
-      {"length", d.length},    {"area", d.area},
-      {"facet", d.facet},
+      {"defect", index},       {"kind", name(d.kind)}, {"position", json_of(d.position)},
+      {"box", json_of(d.box)}, {"count", d.count},     {"length", d.length},
+      {"area", d.area},        {"facet", d.facet},
   };
 }
 
@@ -145,8 +144,9 @@ Json totals_of(const std::vector<LocatedDefect>& locations) {
 Json largest_of(const std::vector<LocatedDefect>& locations) {
   Json list = Json::array();
   std::array<std::size_t, kDefectKinds> of_kind{};
-  for (const LocatedDefect& d : locations)
-    if (++of_kind[static_cast<std::size_t>(d.kind)] <= kMaxLocationsPerKind) list.push_back(json_of(d));
+  for (std::size_t i = 0; i < locations.size(); ++i)
+    if (++of_kind[static_cast<std::size_t>(locations[i].kind)] <= kMaxLocationsPerKind)
+      list.push_back(json_of(locations[i], i));
   return list;
 }
 

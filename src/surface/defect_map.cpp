@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -47,37 +48,34 @@ struct Found {
   Indices of_element;
   std::vector<WeightedMean> means;
 
-  // A new defect's index.
-  std::uint32_t add(DefectKind kind) {
-    defects.emplace_back().kind = kind;
-    defects.back().facet = kNone;
-    return static_cast<std::uint32_t>(defects.size() - 1);
-  }
   void place() {
     for (std::size_t d = 0; d < means.size(); ++d) defects[d].position = means[d].within(defects[d].box);
   }
 };
 
-// One defect for each set, numbered in the order of the elements: element i is in the set of members[i].
-void add_sets(Found& found, DefectKind kind, UnionFind& sets, std::size_t universe, const auto& members) {
+// One defect for each set, numbered in the order of the elements; member(element) is in the element's set.
+void add_sets(Found& found, DefectKind kind, UnionFind& sets, std::size_t universe, const auto& elements,
+              auto&& member) {
   Indices number(universe, kNone);
-  for (const std::uint32_t member : members) {
-    std::uint32_t& defect = number[sets.find(member)];
-    if (defect == kNone) defect = found.add(kind);
+  std::uint32_t count = 0;
+  found.of_element.reserve(elements.size());
+  for (const auto& element : elements) {
+    std::uint32_t& defect = number[sets.find(member(element))];
+    if (defect == kNone) defect = count++;
     found.of_element.push_back(defect);
   }
-  found.means.resize(found.defects.size());
+  LocatedDefect nothing_yet;
+  nothing_yet.kind = kind;
+  nothing_yet.facet = kNone;
+  found.defects.assign(count, nothing_yet);
+  found.means.resize(count);
 }
 
 void gather_chains(Found& found, DefectKind kind, const std::vector<DefectiveEdge>& edges,
                    std::size_t points) {
   UnionFind sets(points);
-  Indices lower_points;
-  for (const DefectiveEdge& edge : edges) {
-    sets.unite(edge.points[0], edge.points[1]);
-    lower_points.push_back(edge.points[0]);
-  }
-  add_sets(found, kind, sets, points, lower_points);
+  for (const DefectiveEdge& edge : edges) sets.unite(edge.points[0], edge.points[1]);
+  add_sets(found, kind, sets, points, edges, [](const DefectiveEdge& edge) { return edge.points[0]; });
 }
 
 void add_edge(LocatedDefect& chain, WeightedMean& mean, const TriangleSoup& soup, const DefectiveEdge& edge) {
@@ -116,9 +114,10 @@ Found single_points(const TriangleSoup& soup, const Indices& points) {
   if (points.empty()) return found;
   Indices defect_at(soup.points.size(), kNone);
   for (const std::uint32_t p : points) {
-    found.of_element.push_back(defect_at[p] = found.add(DefectKind::non_manifold_point));
-    found.defects.back().position = soup.points[p];
-    found.defects.back().box.extend(soup.points[p]);
+    defect_at[p] = static_cast<std::uint32_t>(found.defects.size());
+    found.of_element.push_back(defect_at[p]);
+    found.defects.push_back(
+        {DefectKind::non_manifold_point, soup.points[p], {soup.points[p], soup.points[p]}, 0, 0, 0, kNone});
   }
   for (std::uint32_t f = 0; f < soup.facets.size(); ++f)
     for (const std::uint32_t p : soup.facets[f]) {
@@ -199,7 +198,7 @@ Found clusters(const TriangleSoup& soup, const Pairs& pairs, const Indices& face
   UnionFind sets(soup.facets.size());
   for (const auto& [f, g] : pairs) sets.unite(f, g);
   unite_around_points(sets, soup, facets);
-  add_sets(found, DefectKind::self_intersection, sets, soup.facets.size(), facets);
+  add_sets(found, DefectKind::self_intersection, sets, soup.facets.size(), facets, std::identity());
   Indices cluster_of(soup.facets.size(), kNone);
   for (std::size_t i = 0; i < facets.size(); ++i) {
     LocatedDefect& cluster = found.defects[cluster_of[facets[i]] = found.of_element[i]];
@@ -229,9 +228,11 @@ double size_of(const LocatedDefect& defect) {
 // Appends the defects of a kind, the largest first.
 void append(DefectMap& map, DefectKind kind, Found found) {
   std::vector<std::pair<double, std::uint32_t>> order;
+  order.reserve(found.defects.size());
   for (std::uint32_t d = 0; d < found.defects.size(); ++d) order.emplace_back(-size_of(found.defects[d]), d);
   parallel_sort(order);
   Indices place(order.size());
+  map.defects.reserve(map.defects.size() + order.size());
   for (const auto& [size, d] : order) {
     place[d] = static_cast<std::uint32_t>(map.defects.size());
     map.defects.push_back(found.defects[d]);

@@ -237,6 +237,7 @@ def vtk_reads_what_is_written(box):
             return
         expect(read["counts"] == counts, f"{name}: {read['counts']}")
         expect(read["names"] == list(located["locations_total"]), f"{name}: {read['names']}")
+        expect([at["defect"] for at in located["locations"]] == list(range(counts[0])), f"{name}: numbers")
         for cell, place in enumerate(located["locations"]):
             expect(read["cells"][cell] == [place["position"]], f"{name}: vert {cell} at {read['cells'][cell]}")
         for cell, points in enumerate(read["cells"]):
