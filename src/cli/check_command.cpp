@@ -1,5 +1,8 @@
+#include <fmt/format.h>
+
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/io/marked_cells.h"
 #include "burnish/pipeline/check.h"
 #include "burnish/pipeline/report.h"
 #include "commands.h"
@@ -12,35 +15,43 @@ namespace burnish {
 namespace {
 
 constexpr std::string_view kNotes =
-    R"(Exit codes: 0 a valid solid, 1 not a valid solid, 2 usage, 3 input unreadable.
+    R"(Exit codes: 0 a valid solid, 1 not a valid solid, 2 usage, 3 input unreadable,
+4 output unwritable.
 
-Example:
+Examples:
   burnish check part.stl && echo printable
+  burnish check part.stl --output-defects defects.vtp
 )";
+
+constexpr std::size_t kPlaces = 3, kPlacesVerbose = 50;
 
 class CheckCommand : public Command {
  public:
   CommandLine command_line() override {
     return {"check",
-            "Says what is wrong with a triangle file, and whether it is a valid solid:\n"
-            "closed, 2-manifold, oriented outwards, free of self-intersections.",
+            "Says what is wrong with a triangle file and where, and whether it is a valid\n"
+            "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
             {"burnish check FILE [options]"},
-            {{"FILE", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(input_)}},
+            {{"FILE", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
 
   int run() override {
-    require_plausible_input(input_);
+    require_consistent();
+    require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
-    Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
-    const CheckResult result = check(input_, salvage_, console);
+    Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
+    if (job_.overwrite && job_.defects_output.empty()) {
+      console.warn("--overwrite", {"has no effect without --output-defects"});
+    }
+    const CheckResult result = check(job_, console);
     console.end_stage();
     console.warn(result.input, result.warnings);
     if (json_) {
-      write_stdout(to_json(result.defects, result.input, result.input_format, result.warnings));
+      write_stdout(to_json(result));
     } else if (!quiet_) {
-      write_stdout(check_summary(result));
+      write_stdout(check_summary(result, verbose_ ? kPlacesVerbose : kPlaces));
     }
     return result.valid_solid ? 0 : exit_code(ErrorCode::answer_is_no);
   }
@@ -48,21 +59,37 @@ class CheckCommand : public Command {
  private:
   std::vector<Option> option_table() {
     return {
+        {"--output-defects", 0, "OUT", "Options",
+         "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.defects_output)},
+        {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
         {"--salvage", 0, "", "Options", "Take what a truncated or malformed file holds.",
-         switch_on(salvage_)},
+         switch_on(job_.salvage)},
         {"--threads", 0, "N", "Options", "Use at most N threads. The result does not depend on it.",
          [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
         {"--quiet", 'q', "", "Options", "Print errors only: the exit code is the answer.", switch_on(quiet_)},
+        {"--verbose", 'v', "", "Options", "Print up to 50 places of each kind of defect, not 3.",
+         switch_on(verbose_)},
         {"--help", 'h', "", "Options", "Print this help.", [](const GivenValue&) {}},
     };
   }
 
-  std::string input_;
+  // Before anything is read; an output that looks at the model must not take its place.
+  void require_consistent() const {
+    if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other");
+    if (job_.defects_output.empty()) return;
+    static_cast<void>(marked_format_for_writing(job_.defects_output));
+    if (same_file(job_.defects_output, job_.input)) {
+      throw Error(ErrorCode::usage, fmt::format("{}: --output-defects names the input", job_.defects_output),
+                  "the defects are no replacement for the model: give another name");
+    }
+  }
+
+  CheckJob job_;
   int threads_ = 0;
   bool json_ = false;
-  bool salvage_ = false;
   bool quiet_ = false;
+  bool verbose_ = false;
 };
 
 }  // namespace

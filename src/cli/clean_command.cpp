@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
-#include <filesystem>
 #include <optional>
 
 #include "burnish/core/error.h"
@@ -172,11 +171,6 @@ class CleanCommand : public Command {
     const std::string_view clash = o.smooth.value > 0 ? "--smooth" : o.thicken ? "--thicken" : o.cell ? "--cell" : o.resolution ? "--resolution" : "";
     if (clash.empty()) return;
     throw Error(ErrorCode::usage, fmt::format("{} is a matter of the level set, and --method local excludes it", clash), "leave out one of the two");
-  }
-
-  static bool same_file(const std::string& a, const std::string& b) {
-    namespace fs = std::filesystem;
-    return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
   }
 
   void print(const RepairReport& report, double seconds) const {

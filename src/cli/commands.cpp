@@ -44,4 +44,9 @@ void require_plausible_input(const std::string& path) {
               fmt::format("did you mean '{}'?", *near));
 }
 
+bool same_file(const std::string& a, const std::string& b) {
+  namespace fs = std::filesystem;
+  return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
+}
+
 }  // namespace burnish

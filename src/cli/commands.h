@@ -33,4 +33,7 @@ std::optional<std::string> nearest_command(std::string_view word);
 // Everything else about the input is for its reader to judge.
 void require_plausible_input(const std::string& path);
 
+// Whether two paths name the same file, as far as the names tell.
+bool same_file(const std::string& a, const std::string& b);
+
 }  // namespace burnish

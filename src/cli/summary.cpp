@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <functional>
+#include <span>
 
 namespace burnish {
 namespace {
@@ -78,6 +81,39 @@ std::string verdict(const RepairReport& report) {
   if (!report.written) return fmt::format("{}: not written", report.output);
   const std::string found = problems(report.after);
   return fmt::format("{}: written, but not verified{}{}", report.output, found.empty() ? "" : ": ", found);
+}
+
+std::string_view plural_of(DefectKind kind) {
+  constexpr std::array<std::string_view, kDefectKinds> kPlurals = {
+      "open loops",        "non-manifold edges", "non-manifold points", "misoriented edges",
+      "degenerate facets", "duplicate facets",   "self-intersections"};
+  return kPlurals[static_cast<std::size_t>(kind)];
+}
+
+// 76 columns, whatever the numbers: six digits with sign and exponent take 13.
+std::string place_line(const LocatedDefect& d) {
+  const auto size = [](double value) { return value > 0 ? fmt::format("{:.3g}", value) : std::string("-"); };
+  return fmt::format("  {:>14.6g}{:>14.6g}{:>14.6g}{:>10}{:>10}{:>12}\n", d.position.x, d.position.y,
+                     d.position.z, size(d.length), size(d.area), d.count);
+}
+
+// The first `places` of each kind; `locations` has the largest in front.
+std::string where(std::span<const LocatedDefect> locations, std::size_t places) {
+  std::string text;
+  while (!locations.empty()) {
+    const DefectKind kind = locations.front().kind;
+    const auto is_kind = [kind](const LocatedDefect& d) { return d.kind == kind; };
+    const auto end = std::ranges::find_if_not(locations, is_kind);
+    const auto total = static_cast<std::size_t>(end - locations.begin());
+    text += fmt::format("{}, ", plural_of(kind));
+    text += total > places ? fmt::format("the {} largest of {} places\n", places, total)
+                           : plural(total, "place", "places") + '\n';
+    for (const LocatedDefect& d : locations.first(std::min(total, places))) text += place_line(d);
+    locations = locations.subspan(total);
+  }
+  if (text.empty()) return text;
+  return fmt::format("\n  {:>14}{:>14}{:>14}{:>10}{:>10}{:>12}\n", "x", "y", "z", "length", "area", "count") +
+         text;
 }
 
 std::string options_details(const ResolvedOptions& options) {
@@ -156,12 +192,13 @@ std::string problems(const Defects& d) {
   return d.volume < 0 ? "turned inside out" : "no volume";
 }
 
-std::string check_summary(const CheckResult& result) {
+std::string check_summary(const CheckResult& result, std::size_t places) {
   std::string text = fmt::format("{} ({})\n\n", result.input, result.input_format);
   for (const Row& row : rows()) {
     text += fmt::format("{:<{}}{:>{}}\n", row.label, kLabelWidth, row.cell(result.defects), kColumnWidth);
   }
   text += box_line(result.defects.box);
+  text += where(result.locations, places);
   if (result.valid_solid) return text + "\nvalid solid\n";
   return text + fmt::format("\nnot a valid solid: {}\n", problems(result.defects));
 }

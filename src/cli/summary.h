@@ -12,8 +12,8 @@ namespace burnish {
 // Empty for a valid solid.
 std::string problems(const Defects& defects);
 
-// One column of counts and the verdict.
-std::string check_summary(const CheckResult& result);
+// One column of counts, the `places` largest defects of each kind with their coordinates, and the verdict.
+std::string check_summary(const CheckResult& result, std::size_t places);
 
 // The before -> after table, the deviation in both directions, the verdict and the time.
 // `details` adds the resolved options, what was done to the facets, the grid and the stages.

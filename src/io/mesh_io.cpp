@@ -10,6 +10,7 @@
 
 #include "mapped_file.h"
 #include "readers.h"
+#include "suffix.h"
 #include "text_scanner.h"
 
 namespace burnish {
@@ -21,15 +22,6 @@ enum class Kind { stl_binary, stl_ascii, obj, ply, off };
 constexpr std::size_t kHead = 4096;
 
 constexpr std::string_view kKnown = "give a file in one of the formats STL, OBJ, PLY or OFF";
-
-std::string suffix_of(const std::string& label) {
-  const std::size_t dot = label.rfind('.');
-  if (dot == label.npos || label.find('/', dot) != label.npos) return {};
-  std::string suffix = label.substr(dot);
-  std::transform(suffix.begin(), suffix.end(), suffix.begin(),
-                 [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c + ('a' - 'A')) : c; });
-  return suffix;
-}
 
 std::optional<Kind> kind_of_suffix(const std::string& suffix) {
   if (suffix == ".stl" || suffix == ".stla" || suffix == ".stlb") return Kind::stl_binary;

@@ -1,31 +1,68 @@
 #include "burnish/pipeline/check.h"
 
+#include <optional>
 #include <utility>
 
+#include "burnish/io/marked_cells.h"
 #include "burnish/io/mesh_io.h"
+#include "burnish/io/output_file.h"
 #include "burnish/surface/weld.h"
+#include "defect_cells.h"
 
 namespace burnish {
+namespace {
 
-CheckResult check(const std::string& path, bool salvage, Progress& progress) {
-  CheckResult result;
-  result.input = path;
+// Created before the work: a file that cannot be written is to be known before it, not after.
+class DefectsOutput {
+ public:
+  DefectsOutput(const std::string& path, bool overwrite)
+      : format_(marked_format_for_writing(path)), file_(path, overwrite) {}
 
+  void write(const MarkedCells& cells) {
+    write_marked_cells(file_.fd(), file_.destination(), cells, format_);
+    file_.commit();
+  }
+
+ private:
+  MarkedFormat format_;
+  OutputFile file_;
+};
+
+TriangleSoup read_welded(const CheckJob& job, CheckResult& result, Progress& progress) {
   progress.begin_stage("reading");
-  MeshReadOptions read_options;
-  read_options.salvage = salvage;
-  MeshFile file = read_mesh(path, read_options);
+  MeshFile file = read_mesh(job.input, {.salvage = job.salvage});
   result.input_format = name(file.format);
   result.warnings = std::move(file.warnings);
   progress.check();
-
   progress.begin_stage("welding");
-  const TriangleSoup soup = weld(std::move(file.soup));
+  return weld(std::move(file.soup));
+}
+
+}  // namespace
+
+CheckResult check(const CheckJob& job, Progress& progress) {
+  CheckResult result;
+  result.input = job.input;
+  std::optional<DefectsOutput> output;
+  if (!job.defects_output.empty()) output.emplace(job.defects_output, job.overwrite);
+  const TriangleSoup soup = read_welded(job, result, progress);
   progress.check();
 
   progress.begin_stage("inspecting");
-  result.defects = inspect(soup, {}, progress).defects;
+  const Inspection inspection =
+      inspect(soup, {.elements = true, .max_collected_pairs = kMaxSelfIntersections}, progress);
+  result.defects = inspection.defects;
   result.valid_solid = result.defects.valid_solid();
+  progress.check();
+
+  progress.begin_stage("locating");
+  DefectMap map = locate_defects(soup, inspection);
+  progress.check();
+  if (output) {
+    progress.begin_stage("writing defects");
+    output->write(defect_cells(soup, inspection.elements, map));
+  }
+  result.locations = std::move(map.defects);
   return result;
 }
 

@@ -1,6 +1,7 @@
 #include "burnish/pipeline/report.h"
 
 #include <algorithm>
+#include <array>
 #include <nlohmann/json.hpp>
 #include <optional>
 
@@ -165,6 +166,30 @@ Json json_of(const std::vector<StageCost>& stages) {
   return list;
 }
 
+Json json_of(const LocatedDefect& d, std::size_t index) {
+  return {
+      {"defect", index},       {"kind", name(d.kind)}, {"position", json_of(d.position)},
+      {"box", json_of(d.box)}, {"count", d.count},     {"length", d.length},
+      {"area", d.area},        {"facet", d.facet},
+  };
+}
+
+Json totals_of(const std::vector<LocatedDefect>& locations) {
+  Json totals = Json::object();
+  for (const DefectKind kind : kAllDefectKinds)
+    totals[std::string(name(kind))] = std::ranges::count(locations, kind, &LocatedDefect::kind);
+  return totals;
+}
+
+Json largest_of(const std::vector<LocatedDefect>& locations) {
+  Json list = Json::array();
+  std::array<std::size_t, kDefectKinds> of_kind{};
+  for (std::size_t i = 0; i < locations.size(); ++i)
+    if (++of_kind[static_cast<std::size_t>(locations[i].kind)] <= kMaxLocationsPerKind)
+      list.push_back(json_of(locations[i], i));
+  return list;
+}
+
 }  // namespace
 
 std::string to_json(const RepairReport& r) {
@@ -194,14 +219,15 @@ std::string to_json(const RepairReport& r) {
   });
 }
 
-std::string to_json(const Defects& defects, const std::string& input, const std::string& format,
-                    const std::vector<std::string>& warnings) {
+std::string to_json(const CheckResult& r) {
   return text_of({
       {"version", kReportVersion},
       {"generator", generator()},
-      {"input", {{"file", input}, {"format", format}}},
-      {"warnings", Json(warnings)},
-      {"defects", json_of(defects)},
+      {"input", {{"file", r.input}, {"format", r.input_format}}},
+      {"warnings", Json(r.warnings)},
+      {"defects", json_of(r.defects)},
+      {"locations_total", totals_of(r.locations)},
+      {"locations", largest_of(r.locations)},
   });
 }
 

@@ -1,6 +1,7 @@
 #include "burnish/surface/inspect.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "burnish/core/union_find.h"
 #include "burnish/surface/edge_table.h"
@@ -16,6 +17,22 @@ void count_edges(const EdgeTable& edges, Defects& defects) {
     defects.non_manifold_edges += edges.is_non_manifold(e);
     defects.misoriented_edges += edges.is_misoriented(e);
   }
+}
+
+void list_edges(const EdgeTable& edges, DefectiveElements& elements) {
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const DefectiveEdge edge{edges.edge(e), edges.uses(e)[0].facet};
+    if (edges.is_open(e)) elements.open_edges.push_back(edge);
+    if (edges.is_non_manifold(e)) elements.non_manifold_edges.push_back(edge);
+    if (edges.is_misoriented(e)) elements.misoriented_edges.push_back(edge);
+  }
+}
+
+std::vector<std::uint32_t> facets_of_kind(const std::vector<FacetKind>& kinds, FacetKind kind) {
+  std::vector<std::uint32_t> facets;
+  for (std::uint32_t f = 0; f < kinds.size(); ++f)
+    if (kinds[f] == kind) facets.push_back(f);
+  return facets;
 }
 
 // Sets of facets connected through edges, facets that use no edge aside.
@@ -92,6 +109,10 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
   };
   defects.degenerate_facets = count_kind(FacetKind::degenerate);
   defects.duplicate_facets = count_kind(FacetKind::duplicate);
+  if (options.elements) {
+    result.elements.degenerate_facets = facets_of_kind(kinds, FacetKind::degenerate);
+    result.elements.duplicate_facets = facets_of_kind(kinds, FacetKind::duplicate);
+  }
   progress.check();
 
   {
@@ -99,7 +120,12 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
     count_edges(edges, defects);
     defects.components = count_components(welded, edges);
     defects.open_loops = count_open_loops(welded, edges);
-    defects.non_manifold_points = points_with_several_fans(welded, edges).size();
+    std::vector<std::uint32_t> points = points_with_several_fans(welded, edges);
+    defects.non_manifold_points = points.size();
+    if (options.elements) {
+      list_edges(edges, result.elements);
+      result.elements.non_manifold_points = std::move(points);
+    }
   }
   progress.check();
 

@@ -11,6 +11,11 @@ def cube(facets=CUBE_FACETS, offset=(0, 0, 0)):
     return [tuple(tuple(c + o for c, o in zip(CUBE_CORNERS[i], offset)) for i in f) for f in facets]
 
 
+def scattered(count):
+    """Triangles apart from each other, each smaller than the one before."""
+    return [tuple((x / (i + 1) + 3 * i, y / (i + 1), 0) for x, y in ((0, 0), (1, 0), (0, 1))) for i in range(count)]
+
+
 def binary_stl(triangles, header=b"test"):
     body = b"".join(struct.pack("<12fH", 0, 0, 0, *(c for p in t for c in p), 0) for t in triangles)
     return header.ljust(80, b"\0") + struct.pack("<I", len(triangles)) + body
@@ -70,7 +75,9 @@ def fixtures():
         "twice.stl": binary_stl(cube() + cube()[:1]),
         "crossing.stl": binary_stl(cube() + cube(offset=(0.5, 0.5, 0.5))),
         "triangle.stl": binary_stl(cube()[:1]),
+        "scattered.stl": binary_stl(scattered(60)),
         "empty.stl": b"",
         "text.stl": b"this is not a mesh\n",
         "other.stl": b"do not touch\n",
+        "other.ply": b"do not touch\n",
     }

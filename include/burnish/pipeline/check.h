@@ -1,23 +1,40 @@
-// Inspecting a file without changing it.
+// Inspecting a file without changing it: what is wrong with it, and where.
 #pragma once
 
 #include <string>
 #include <vector>
 
 #include "burnish/core/progress.h"
+#include "burnish/surface/defect_map.h"
 #include "burnish/surface/inspect.h"
 
 namespace burnish {
 
+struct CheckJob {
+  std::string input;           // a path, or "-" for standard input
+  bool salvage = false;        // take what a broken input file holds
+  std::string defects_output;  // where to write the defects to be looked at (.vtp or .ply); empty: nowhere
+  bool overwrite = false;      // an existing `defects_output` may be replaced
+};
+
 struct CheckResult {
   std::string input;
   std::string input_format;
-  Defects defects;                    // after welding by exact coordinates
-  std::vector<std::string> warnings;  // of the reader
+  Defects defects;                       // after welding by exact coordinates
+  std::vector<LocatedDefect> locations;  // as DefectMap::defects: by kind, the largest first
+  std::vector<std::string> warnings;     // of the reader
   bool valid_solid = false;
 };
 
-// Reads the file at `path` ("-": standard input), welds it and inspects it. Throws Error as `read_mesh`.
-CheckResult check(const std::string& path, bool salvage = false, Progress& progress = no_progress());
+// Reads the file, welds it, inspects it, locates its defects and, if asked to, writes them.
+//
+// `defects_output` holds a vert at the position of each located defect, the open, non-manifold and
+// misoriented edges as lines, and the degenerate, duplicate and intersecting facets as triangles; a facet
+// that is defective in two ways stands there twice. Cells carry their kind (as DefectKind counts them) and
+// `defect`, the index into `locations`. It is written for a valid solid, too, without cells.
+//
+// Throws Error as `read_mesh` and OutputFile do, and Error{usage} for a `defects_output` of another suffix,
+// before anything is read. Locating takes a few percent of the time of inspecting.
+CheckResult check(const CheckJob& job, Progress& progress = no_progress());
 
 }  // namespace burnish

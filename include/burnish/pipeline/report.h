@@ -7,6 +7,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/timer.h"
+#include "burnish/pipeline/check.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/compare.h"
 #include "burnish/surface/hole.h"
@@ -117,9 +118,12 @@ struct RepairReport {
 // Bytes of names that are not UTF-8 are replaced by U+FFFD.
 std::string to_json(const RepairReport& report);
 
-// One inspection as JSON text: what `burnish check --json` prints.
-std::string to_json(const Defects& defects, const std::string& input, const std::string& format,
-                    const std::vector<std::string>& warnings);
+// What of each kind of defect stands in the JSON of a check: the largest.
+inline constexpr std::size_t kMaxLocationsPerKind = 1000;
+
+// One check as JSON text: what `burnish check --json` prints. `locations` holds the first
+// kMaxLocationsPerKind of each kind, `locations_total` how many there are of each.
+std::string to_json(const CheckResult& result);
 
 // {"error": {"code": ..., "exit_code": ..., "message": ..., "hint": ...}} as JSON text.
 std::string to_json(const Error& error);
