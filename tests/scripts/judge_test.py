@@ -24,13 +24,15 @@ def turned(facets):
 
 def binary(facets, header=b"", count=None, behind=b""):
     records = (struct.pack("<12fH", 0, 0, 0, *(x for point in facet for x in point), 0) for facet in facets)
-    return header.ljust(80, b" ") + struct.pack("<I", len(facets) if count is None else count) + b"".join(records) + behind
+    count = struct.pack("<I", len(facets) if count is None else count)
+    return header.ljust(80, b" ") + count + b"".join(records) + behind
 
 
 def ascii(facets, end="\n", case=str):
     lines = ["solid a b"]
     for facet in facets:
-        lines += ["facet normal 0 0 0", "outer loop", *("vertex %g %g %g" % point for point in facet), "endloop", "endfacet"]
+        corners = ("vertex %g %g %g" % point for point in facet)
+        lines += ["facet normal 0 0 0", "outer loop", *corners, "endloop", "endfacet"]
     return case(end.join([*lines, "endsolid a b", ""])).encode()
 
 
@@ -58,13 +60,13 @@ class Judge(unittest.TestCase):
         self.assertEqual({key: found[key] for key in expected}, expected)
 
     def test_cube_is_valid(self):
-        self.assert_output(cube(size=2), valid=True, closed=True, two_manifold=True, oriented=True, self_intersections=0,
-                           bounds_volume=True, volume=8, area=24, valid_sheet=False, open_edges=0, open_loops=0,
+        self.assert_output(cube(size=2), valid=True, closed=True, two_manifold=True, oriented=True,
+                           self_intersections=0, bounds_volume=True, volume=8, area=24, valid_sheet=False, open_edges=0, open_loops=0,
                            facets=12, points=8, components=1)
 
     def test_missing_facet_makes_a_sheet(self):
-        self.assert_output(cube()[1:], valid=False, closed=False, two_manifold=False, oriented=True, bounds_volume=False,
-                           valid_sheet=True, open_edges=3, open_loops=1)
+        self.assert_output(cube()[1:], valid=False, closed=False, two_manifold=False, oriented=True,
+                           bounds_volume=False, valid_sheet=True, open_edges=3, open_loops=1)
 
     def test_overlapping_cubes_intersect(self):
         found = self.judge(cube() + cube((0.5, 0.4, 0.3)))["output"]
@@ -91,7 +93,8 @@ class Judge(unittest.TestCase):
     def test_facets_without_area_are_not_valid(self):
         a, b, c = cube()[0]
         middle = tuple((p + q) / 2 for p, q in zip(a, b))
-        self.assert_output([(a, middle, c), (middle, b, c), (a, b, middle), *cube()[1:]], two_manifold=True, valid=False)
+        split = [(a, middle, c), (middle, b, c), (a, b, middle), *cube()[1:]]
+        self.assert_output(split, two_manifold=True, valid=False)
         self.assert_output([*cube(), (a, a, b)], two_manifold=False, repeating_facets=1, valid=False)
 
     def test_distances_go_both_ways(self):
@@ -107,8 +110,8 @@ class Judge(unittest.TestCase):
 
     def test_any_stl_is_read(self):
         facets = cube()
-        for content in (ascii(facets), ascii(facets, "\r"), ascii(facets, "\r\n", str.upper), binary(facets, b"solid x"),
-                        binary(facets, count=0), binary(facets, count=7), binary(facets, count=4000),
+        for content in (ascii(facets), ascii(facets, "\r"), ascii(facets, "\r\n", str.upper),
+                        binary(facets, b"solid x"), binary(facets, count=0), binary(facets, count=7), binary(facets, count=4000),
                         binary(facets, behind=b"abc")):
             found = self.judge(facets, content)
             self.assertEqual((found["input"]["facets"], found["output_to_input"]["max"]), (12, 0), content[:90])
