@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 namespace judge {
 namespace {
@@ -16,7 +15,10 @@ struct Use {
 
 class Sets {
  public:
-  explicit Sets(std::size_t size) : parent_(size) { std::iota(parent_.begin(), parent_.end(), 0u); }
+  explicit Sets(std::size_t size) {
+    parent_.reserve(size);
+    for (std::uint32_t i = 0; i < size; ++i) parent_.push_back(i);
+  }
 
   std::uint32_t find(std::uint32_t i) {
     while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
