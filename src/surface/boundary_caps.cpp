@@ -165,6 +165,14 @@ class Membrane {
   std::vector<Vec3> points_;
 };
 
+// Groups and colours speak of all facets or of none.
+void name_caps(TriangleSoup& soup, std::size_t first) {
+  const std::size_t caps = soup.facets.size() - first;
+  if (!soup.colors.empty()) soup.colors.resize(soup.facets.size(), kNoColor);
+  if (!soup.groups.empty() && caps > 0)
+    soup.groups.push_back({"", static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(caps)});
+}
+
 }  // namespace
 
 CappedSoup cap_boundary(const TriangleSoup& oriented) {
@@ -182,6 +190,7 @@ CappedSoup cap_boundary(const TriangleSoup& oriented) {
       Membrane(loop, soup).add_to(soup, loop);
     }
   }
+  name_caps(soup, result.first_cap_facet);
   for (std::size_t f = result.first_cap_facet; f < soup.facets.size(); ++f)
     result.cap_area += 0.5 * norm(facet_normal_2a(soup, f));
   return result;
