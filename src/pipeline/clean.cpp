@@ -60,6 +60,7 @@ class Run {
     report_.input_format = name(file.format);
     report_.warnings = std::move(file.warnings);
     input_ = weld(std::move(file.soup));
+    report_.groups = summaries_of_groups(input_);
     const double diagonal = bounding_box(input_).diagonal();
     if (diagonal > kLargestDiagonal || (diagonal > 0 && diagonal < kSmallestDiagonal))
       throw Error(ErrorCode::unreadable_input,
