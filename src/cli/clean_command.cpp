@@ -76,7 +76,7 @@ class CleanCommand : public Command {
     CleanOptions& o = job_.options;
     return {
         {"--output", 'o', "FILE", "Output",
-         "Where to write: .stl, .ply, .obj or .off; '-' is standard output, as binary STL.",
+         "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
         {"--report", 0, "FILE", "Output", "Write a report of what was found and done, as JSON.",

@@ -182,13 +182,15 @@ MeshFile read_mesh(std::span<const std::byte> bytes, const std::string& label,
 }
 
 MeshFormat format_for_writing(const std::string& path) {
-  const auto kind = kind_of_suffix(suffix_of(path));
+  const std::string suffix = suffix_of(path);
+  if (suffix == ".stla") return MeshFormat::stl_ascii;
+  const auto kind = kind_of_suffix(suffix);
   if (kind == Kind::stl_binary) return MeshFormat::stl_binary;
   if (kind == Kind::obj) return MeshFormat::obj;
   if (kind == Kind::ply) return MeshFormat::ply_binary;
   if (kind == Kind::off) return MeshFormat::off;
   throw Error(ErrorCode::usage, fmt::format("{}: the suffix does not say which format to write", path),
-              "use .stl, .ply, .obj or .off");
+              "use .stl, .stla (ASCII), .ply, .obj or .off");
 }
 
 bool stores_float32(MeshFormat format) {

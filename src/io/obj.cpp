@@ -1,5 +1,6 @@
 // Wavefront OBJ: `v`, `f` (v, v/vt, v/vt/vn, v//vn; indices from 1, or negative from the last point),
-// `o` and `g`. Everything else (texture, materials, curves) says nothing about the surface.
+// `o` and `g`. Everything else (texture, materials, curves) says nothing about the surface; colours of
+// materials are in a file of their own, which is not looked for.
 #include <fmt/format.h>
 
 #include <charconv>

@@ -1,7 +1,10 @@
 // OFF and its variants with colours, normals and texture coordinates (COFF, NOFF, STOFF, ...), in text.
-// A vertex and a face each take a line; what follows the coordinates or the indices is skipped.
+// A vertex and a face each take a line. What follows a face's indices may be its colour; what follows a
+// point's coordinates is skipped.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <limits>
@@ -110,7 +113,28 @@ class OffReader {
                             scan_.at_end() ? "the file's end" : quoted(scan_.peek())));
       corners_.push_back(static_cast<std::int64_t>(index));
     }
+    builder_.set_color(read_color());
     builder_.add_polygon(corners_, at);
+  }
+
+  // Three or four numbers up to the line's end: whole ones go to 255, others to 1. A single one counts in a
+  // table of colours that nobody has.
+  Color read_color() {
+    TextScanner words(scan_.rest_of_line());
+    std::array<double, 4> channels{0, 0, 0, 0};
+    std::size_t count = 0;
+    bool whole = true;
+    for (; count < 4 && !words.at_end() && *words.position() != '#'; ++count) {
+      whole &= words.peek().find_first_of(".eE") == std::string_view::npos;
+      if (!words.number(channels[count])) return kNoColor;
+    }
+    if (count < 3) return kNoColor;
+    const double scale = whole ? 1 : 255;
+    if (count == 3) channels[3] = 255 / scale;
+    std::array<std::uint32_t, 4> bytes{};
+    for (std::size_t i = 0; i < 4; ++i)
+      bytes[i] = static_cast<std::uint32_t>(std::clamp(std::round(channels[i] * scale), 0.0, 255.0));
+    return color_of(bytes[0], bytes[1], bytes[2], bytes[3]);
   }
 
   const Source& source_;

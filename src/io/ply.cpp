@@ -1,8 +1,9 @@
 // PLY, in text and in binary of either byte order.
 //
 // The header declares elements (vertex, face, ...), each with properties in any order and of any type.
-// Rows are read property by property; only x, y and z of `vertex` and the list `vertex_indices` (or
-// `vertex_index`) of `face` matter, the rest is stepped over. Every number a PLY can hold fits a double.
+// Rows are read property by property; only x, y and z of `vertex` and, of `face`, the list `vertex_indices`
+// (or `vertex_index`), bytes for colours and the number of a group that a comment names matter, the rest is
+// stepped over. Every number a PLY can hold fits a double.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,6 +13,9 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
+#include <optional>
+#include <set>
 
 #include "polygon_builder.h"
 #include "readers.h"
@@ -22,7 +26,8 @@ namespace {
 
 enum class Type { int8, uint8, int16, uint16, int32, uint32, float32, float64 };
 
-enum class Role { none, x, y, z, corners };
+enum class Role : std::uint8_t { none, x, y, z, corners, red, green, blue, alpha, group };
+constexpr std::size_t kRoles = 10;
 
 struct Property {
   Role role = Role::none;
@@ -42,6 +47,7 @@ enum class Encoding { text, little_endian, big_endian };
 struct Header {
   Encoding encoding = Encoding::text;
   std::vector<Element> elements;
+  std::map<std::int64_t, std::string> group_names;  // of lines `comment group NUMBER NAME`
   const char* body = nullptr;
 };
 
@@ -69,6 +75,8 @@ class HeaderReader {
         read_element(words);
       else if (keyword == "property")
         read_property(words);
+      else if (keyword == "comment")
+        read_comment(words);
     }
     skip_line_end();
     if (!has_format) source_.fail_at(source_.begin(), "the header has no line 'format'", kReexport);
@@ -131,8 +139,17 @@ class HeaderReader {
       type = words.word();
     }
     p.type = type_of(type);
-    p.role = role_of(element.name, words.word(), p.is_list);
+    p.role = role_of(element.name, words.word(), p);
     element.properties.push_back(p);
+  }
+
+  void read_comment(TextScanner& words) {
+    if (words.word() != "group") return;
+    const std::string_view word = words.word();
+    std::int64_t number = 0;
+    const auto [behind, error] = std::from_chars(word.data(), word.data() + word.size(), number);
+    if (error == std::errc{} && behind == word.data() + word.size())
+      header_.group_names.emplace(number, words.rest_of_line());
   }
 
   Type type_of(std::string_view name) const {
@@ -149,12 +166,19 @@ class HeaderReader {
     refuse("the type of a property", name);
   }
 
-  static Role role_of(std::string_view element, std::string_view property, bool is_list) {
-    if (element == "vertex" && !is_list)
+  static Role role_of(std::string_view element, std::string_view property, const Property& p) {
+    if (element == "vertex" && !p.is_list)
       return property == "x" ? Role::x : property == "y" ? Role::y : property == "z" ? Role::z : Role::none;
-    if (element == "face" && is_list && (property == "vertex_indices" || property == "vertex_index"))
-      return Role::corners;
-    return Role::none;
+    if (element != "face") return Role::none;
+    if (p.is_list)
+      return property == "vertex_indices" || property == "vertex_index" ? Role::corners : Role::none;
+    if (property == "group") return Role::group;
+    if (p.type != Type::uint8) return Role::none;
+    return property == "red"     ? Role::red
+           : property == "green" ? Role::green
+           : property == "blue"  ? Role::blue
+           : property == "alpha" ? Role::alpha
+                                 : Role::none;
   }
 
   const Source& source_;
@@ -249,6 +273,10 @@ class BodyReader {
   MeshFile read(MeshFormat format) {
     for (const Element& element : header_.elements)
       if (!read_element(element)) break;
+    if (groups_are_scattered_) {
+      builder_.forget_groups();
+      builder_.add_warning("the faces of a group do not follow each other: groups were left out");
+    }
     return builder_.finish(format);
   }
 
@@ -274,8 +302,7 @@ class BodyReader {
 
   // `nonsense` when the length of a list cannot be known, and so neither what follows it.
   Got read_row(const Element& element, const char* at) {
-    constexpr double kMissing = std::numeric_limits<double>::quiet_NaN();
-    Vec3 point{kMissing, kMissing, kMissing};
+    row_values_.fill(std::numeric_limits<double>::quiet_NaN());
     bool has_corners = false;
     for (const Property& p : element.properties) {
       double value = 0;
@@ -286,11 +313,39 @@ class BodyReader {
         continue;
       }
       if (values_.next(p.type, value) == Got::end) return Got::end;
-      if (p.role != Role::none) point[static_cast<int>(p.role) - static_cast<int>(Role::x)] = value;
+      row_values_[static_cast<std::size_t>(p.role)] = value;
     }
-    if (element.name == "vertex") builder_.add_point(point, at);
-    if (has_corners) builder_.add_polygon(corners_, at);
+    if (element.name == "vertex")
+      builder_.add_point({value_of(Role::x), value_of(Role::y), value_of(Role::z)}, at);
+    if (has_corners) add_polygon(at);
     return Got::value;
+  }
+
+  double value_of(Role role) const { return row_values_[static_cast<std::size_t>(role)]; }
+
+  void add_polygon(const char* at) {
+    builder_.set_color(std::isnan(value_of(Role::red)) ? kNoColor : color());
+    if (!header_.group_names.empty() && !std::isnan(value_of(Role::group)))
+      enter_group(value_of(Role::group));
+    builder_.add_polygon(corners_, at);
+  }
+
+  // Text may hold numbers that are no bytes.
+  Color color() const {
+    const auto byte = [&](Role role, std::uint32_t otherwise) {
+      const double value = value_of(role);
+      return std::isnan(value) ? otherwise : static_cast<std::uint32_t>(std::clamp(value, 0.0, 255.0));
+    };
+    return color_of(byte(Role::red, 0), byte(Role::green, 0), byte(Role::blue, 0), byte(Role::alpha, 255));
+  }
+
+  void enter_group(double value) {
+    const auto number = static_cast<std::int64_t>(std::clamp(value, -1e15, 1e15));
+    if (number == group_ || groups_are_scattered_) return;
+    group_ = number;
+    groups_are_scattered_ = !entered_.insert(number).second;
+    const auto named = header_.group_names.find(number);
+    builder_.begin_group(named == header_.group_names.end() ? "" : named->second);
   }
 
   Got read_list(const Property& p) {
@@ -318,6 +373,10 @@ class BodyReader {
   Values values_;
   PolygonBuilder builder_;
   std::vector<std::int64_t> corners_;
+  std::array<double, kRoles> row_values_{};  // of a row by role, not a number where there is none
+  std::optional<std::int64_t> group_;
+  std::set<std::int64_t> entered_;
+  bool groups_are_scattered_ = false;
 };
 
 template <class Values>

@@ -43,6 +43,8 @@ void PolygonBuilder::add_polygon(std::span<const std::int64_t> corners, const ch
     if (std::max({point(0), point(i - 1), point(i)}) >= point_count())
       forward_.push_back({facets.size() - 1, at});
   }
+  if (color_ != kNoColor) file_.soup.colors.resize(facets.size() - (corners.size() - 2), kNoColor);
+  if (color_ != kNoColor) file_.soup.colors.resize(facets.size(), color_);
 }
 
 void PolygonBuilder::add_broken_polygon(const char* at, const std::string& message) {
@@ -84,9 +86,13 @@ void PolygonBuilder::check_forward_references() {
 void PolygonBuilder::drop_broken_facets() {
   TriangleSoup& soup = file_.soup;
   std::vector<Facet> kept;
+  std::vector<Color> kept_colors;
   const auto keep_range = [&](std::size_t begin, std::size_t end) {
-    for (std::size_t f = begin; f < end; ++f)
-      if (is_kept(soup.facets[f])) kept.push_back(soup.facets[f]);
+    for (std::size_t f = begin; f < end; ++f) {
+      if (!is_kept(soup.facets[f])) continue;
+      kept.push_back(soup.facets[f]);
+      if (!soup.colors.empty()) kept_colors.push_back(soup.colors[f]);
+    }
   };
   if (soup.groups.empty()) keep_range(0, soup.facets.size());
   for (FacetGroup& g : soup.groups) {
@@ -96,11 +102,13 @@ void PolygonBuilder::drop_broken_facets() {
   }
   std::erase_if(soup.groups, [](const FacetGroup& g) { return g.facet_count == 0; });
   soup.facets = std::move(kept);
+  soup.colors = std::move(kept_colors);
 }
 
 MeshFile PolygonBuilder::finish(MeshFormat format) {
   file_.format = format;
   if (!file_.soup.groups.empty()) close_group();
+  if (!file_.soup.colors.empty()) file_.soup.colors.resize(file_.soup.facets.size(), kNoColor);
   check_forward_references();
   if (dropped_.count() > 0 || !broken_points_.empty()) drop_broken_facets();
   if (!broken_points_.empty())

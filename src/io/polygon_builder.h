@@ -27,6 +27,10 @@ class PolygonBuilder {
   void add_broken_polygon(const char* at, const std::string& message);
   // Facets from here on belong to a group of this name.
   void begin_group(std::string name);
+  // Takes all facets out of their groups.
+  void forget_groups() { file_.soup.groups.clear(); }
+  // Facets from here on have this colour; at first they have none.
+  void set_color(Color color) { color_ = color; }
   void add_warning(std::string warning) { file_.warnings.push_back(std::move(warning)); }
 
   std::size_t point_count() const { return file_.soup.points.size(); }
@@ -48,6 +52,7 @@ class PolygonBuilder {
 
   const Source& source_;
   MeshFile file_;
+  Color color_ = kNoColor;
   std::vector<Forward> forward_;              // facets that were ahead of their points
   std::vector<std::uint32_t> broken_points_;  // ascending
   Tally dropped_, small_;

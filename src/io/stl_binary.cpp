@@ -1,5 +1,5 @@
 // Binary STL: 80 bytes of header, a 32-bit count, and 50 bytes per facet: normal and three vertices as
-// little-endian float32, 16 bits of attributes. Normal and attributes are not looked at.
+// little-endian float32, 16 bits of attributes. Normals are not looked at; attributes may be colours.
 //
 // The count lies in the wild. Facets promised but not there are an error. Bytes beyond the count are
 // read as facets if they are a whole number of them with coordinates in the range of the others
@@ -15,15 +15,18 @@
 
 #include "huge_pages.h"
 #include "readers.h"
+#include "stl_colors.h"
 
 namespace burnish {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "the reader copies little-endian floats");
 
+constexpr std::size_t kHeaderBytes = 80;
 constexpr std::size_t kPrefix = 84;
 constexpr std::size_t kFacetBytes = 50;
 constexpr std::size_t kNormalBytes = 12;
+constexpr std::size_t kAttributeAt = 48;
 
 using Corners = std::array<float, 9>;
 
@@ -31,6 +34,12 @@ Corners corners_of(const char* facet) {
   Corners c;
   std::memcpy(c.data(), facet + kNormalBytes, sizeof c);
   return c;
+}
+
+std::uint16_t attribute_of(const char* facet) {
+  std::uint16_t attribute = 0;
+  std::memcpy(&attribute, facet + kAttributeAt, sizeof attribute);
+  return attribute;
 }
 
 bool all_finite(const Corners& corners) {
@@ -90,6 +99,7 @@ class FacetReader {
       read_batch(facets + f * kFacetBytes, std::min(kBatch, count - f));
   }
   const Tally& dropped() const { return dropped_; }
+  bool has_attributes() const { return attribute_bits_ != 0; }
 
  private:
   static constexpr std::size_t kBatch = 64;
@@ -99,6 +109,7 @@ class FacetReader {
     std::size_t kept = 0;
     for (std::size_t f = 0; f < count; ++f) {
       const Corners c = corners_of(facets + f * kFacetBytes);
+      attribute_bits_ |= attribute_of(facets + f * kFacetBytes);
       if (!all_finite(c)) {
         refuse(facets + f * kFacetBytes);
         continue;
@@ -129,8 +140,18 @@ class FacetReader {
 
   const Source& source_;
   TriangleSoup& soup_;
+  std::uint16_t attribute_bits_ = 0;  // all bits that any facet sets
   Tally dropped_;
 };
+
+// The attributes of the facets that were kept. A pass of its own: hardly a file has any.
+std::vector<std::uint16_t> kept_attributes(const char* facets, std::size_t count) {
+  std::vector<std::uint16_t> attributes;
+  attributes.reserve(count);
+  for (const char* facet = facets; facet < facets + count * kFacetBytes; facet += kFacetBytes)
+    if (all_finite(corners_of(facet))) attributes.push_back(attribute_of(facet));
+  return attributes;
+}
 
 }  // namespace
 
@@ -141,13 +162,16 @@ MeshFile read_stl_binary(const Source& source) {
         "re-export the file");
   MeshFile file;
   file.format = MeshFormat::stl_binary;
-  file.header = std::string(source.bytes.substr(0, std::min<std::size_t>(80, source.bytes.find('\0'))));
+  const std::string_view header = source.bytes.substr(0, kHeaderBytes);
+  file.header = stl_header_text(header);
   const std::size_t count = facets_to_read(source, file.warnings);
   if (count > kMaxFacets)
     source.fail(fmt::format("{} are more than the {} that can be read", counted(count, "facet"), kMaxFacets),
                 "split the file");
   FacetReader reader(source, file.soup);
   reader.read(source.begin() + kPrefix, count);
+  if (reader.has_attributes() || has_part_color(header))
+    file.soup.colors = colors_of_attributes(header, kept_attributes(source.begin() + kPrefix, count));
   if (const Tally& dropped = reader.dropped(); dropped.count() > 0)
     file.warnings.push_back(fmt::format("left out {} with coordinates that are not finite, the first at {}",
                                         counted(dropped.count(), "facet"), source.place(dropped.first())));

@@ -3,11 +3,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "burnish/core/error.h"
 #include "burnish/io/mesh_io.h"
 #include "fd_writer.h"
+#include "stl_colors.h"
 #include "text_scanner.h"
 
 namespace burnish {
@@ -73,25 +75,28 @@ class MeshWriter {
   }
 
   void write_stl_binary() {
-    std::array<char, 80> header{};
-    const std::string text = stl_header();
-    std::copy_n(text.data(), std::min<std::size_t>(text.size(), 79), header.data());
-    out_.put({header.data(), header.size()});
+    const ColorAttributes attribute(soup_.colors);
+    std::string header = stl_header(attribute.header_suffix());
+    header.resize(80, '\0');
+    out_.put(header);
     out_.put_raw(static_cast<std::uint32_t>(soup_.facets.size()));
     for (std::size_t f = 0; f < soup_.facets.size(); ++f) {
       const auto corners = rounded_corners(f);
       out_.put_raw(normal(corners));
       out_.put_raw(corners);
-      out_.put_raw(std::uint16_t{0});
+      out_.put_raw(soup_.colors.empty() ? std::uint16_t{0} : attribute(soup_.colors[f]));
     }
   }
 
   // Readers take a header that begins with "solid" for an ASCII file.
-  std::string stl_header() const {
-    TextScanner words(options_.header);
+  std::string stl_header(const std::string& suffix) const {
+    std::string text = stl_header_text(options_.header);
+    TextScanner words(text);
     const std::string_view first = words.peek();
-    return fold_keyword(first.substr(0, 5)) == fold_keyword("solid") ? "STL " + options_.header
-                                                                     : options_.header;
+    if (fold_keyword(first.substr(0, 5)) == fold_keyword("solid")) text = "STL " + text;
+    if (!text.empty() && !suffix.empty()) text += ' ';
+    text.resize(std::min(text.size(), 79 - suffix.size()));
+    return text + suffix;
   }
 
   void write_stl_ascii() {
@@ -143,40 +148,83 @@ class MeshWriter {
       put_coordinates(p);
       out_.put("\n");
     }
-    if (soup_.groups.empty()) return put_facets("f", 1, 0, soup_.facets.size());
+    if (soup_.groups.empty()) return put_obj_facets(0, soup_.facets.size());
     for (const FacetGroup& g : soup_.groups) {
-      put_named("g", g.name);
-      put_facets("f", 1, g.first_facet, g.first_facet + g.facet_count);
+      put_named("g", without_joint(g.name));
+      put_obj_facets(g.first_facet, g.first_facet + g.facet_count);
     }
   }
 
-  void put_facets(std::string_view before, std::size_t base, std::size_t begin, std::size_t end) {
+  // A backslash at the end would join the next line to the name.
+  static std::string without_joint(const std::string& name) {
+    return name.substr(0, name.find_last_not_of("\\ \t\r\n\v\f") + 1);
+  }
+
+  void put_obj_facets(std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
-      out_.put(before);
-      for (const std::uint32_t v : soup_.facets[f]) {
-        out_.put(" ");
-        out_.put(v + base);
-      }
+      put_facet("f", 1, f);
       out_.put("\n");
+    }
+  }
+
+  // Without the line's end.
+  void put_facet(std::string_view before, std::size_t base, std::size_t f) {
+    out_.put(before);
+    for (const std::uint32_t v : soup_.facets[f]) {
+      out_.put(" ");
+      out_.put(v + base);
+    }
+  }
+
+  void put_color(Color color) {
+    for (int i = 0; i < 4; ++i) {
+      out_.put(" ");
+      out_.put(std::size_t{channel(color, i)});
     }
   }
 
   void write_off() {
     out_.put(fmt::format("OFF\n{} {} 0\n", soup_.points.size(), soup_.facets.size()));
     put_points();
-    put_facets("3", 0, 0, soup_.facets.size());
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f) {
+      put_facet("3", 0, f);
+      if (!soup_.colors.empty() && soup_.colors[f] != kNoColor) put_color(soup_.colors[f]);
+      out_.put("\n");
+    }
   }
 
   void write_ply(bool binary) {
     const std::string_view type = options_.double_precision ? "double" : "float";
-    out_.put(fmt::format("ply\nformat {} 1.0\ncomment burnish\nelement vertex {}\n",
-                         binary ? "binary_little_endian" : "ascii", soup_.points.size()));
+    out_.put(fmt::format("ply\nformat {} 1.0\ncomment burnish\n", binary ? "binary_little_endian" : "ascii"));
+    for (std::size_t g = 0; g < soup_.groups.size(); ++g)
+      put_named(fmt::format("comment group {}", g), soup_.groups[g].name);
+    out_.put(fmt::format("element vertex {}\n", soup_.points.size()));
     for (const char axis : {'x', 'y', 'z'}) out_.put(fmt::format("property {} {}\n", type, axis));
-    out_.put(fmt::format("element face {}\nproperty list uchar {} vertex_indices\nend_header\n",
-                         soup_.facets.size(), soup_.points.size() >> 31 ? "uint" : "int"));
+    out_.put(fmt::format("element face {}\nproperty list uchar {} vertex_indices\n", soup_.facets.size(),
+                         soup_.points.size() >> 31 ? "uint" : "int"));
+    if (!soup_.colors.empty())
+      for (const char* property : {"red", "green", "blue", "alpha"})
+        out_.put(fmt::format("property uchar {}\n", property));
+    if (!soup_.groups.empty()) out_.put("property int group\n");
+    out_.put("end_header\n");
     if (binary) return write_ply_binary();
     put_points();
-    put_facets("3", 0, 0, soup_.facets.size());
+    for_each_facet_and_group([&](std::size_t f, std::uint32_t group) {
+      put_facet("3", 0, f);
+      if (!soup_.colors.empty()) put_color(soup_.colors[f]);
+      if (!soup_.groups.empty()) out_.put(" "), out_.put(std::size_t{group});
+      out_.put("\n");
+    });
+  }
+
+  template <class Visit>
+  void for_each_facet_and_group(Visit&& visit) const {
+    std::uint32_t group = 0;
+    const std::vector<FacetGroup>& groups = soup_.groups;
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f) {
+      while (group + 1 < groups.size() && f >= groups[group + 1].first_facet) ++group;
+      visit(f, group);
+    }
   }
 
   void write_ply_binary() {
@@ -186,10 +234,13 @@ class MeshWriter {
       else
         out_.put_raw(rounded(p));
     }
-    for (const Facet& facet : soup_.facets) {
+    static_assert(std::endian::native == std::endian::little, "colours are written as they are in memory");
+    for_each_facet_and_group([&](std::size_t f, std::uint32_t group) {
       out_.put_raw(std::uint8_t{3});
-      out_.put_raw(facet);
-    }
+      out_.put_raw(soup_.facets[f]);
+      if (!soup_.colors.empty()) out_.put_raw(soup_.colors[f]);
+      if (!soup_.groups.empty()) out_.put_raw(group);
+    });
   }
 
   // One point per line, without a blank in front.

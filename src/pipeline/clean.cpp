@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "burnish/io/mesh_io.h"
-#include "burnish/surface/local_repair.h"
+#include "burnish/surface/transfer.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
 #include "cleaned_output.h"
@@ -57,6 +57,7 @@ class Run {
     report_.input_format = name(file.format);
     report_.warnings = std::move(file.warnings);
     input_ = weld(std::move(file.soup));
+    report_.groups = summaries_of_groups(input_);
     const double diagonal = bounding_box(input_).diagonal();
     if (diagonal > kLargestDiagonal || (diagonal > 0 && diagonal < kSmallestDiagonal))
       throw Error(ErrorCode::unreadable_input,
@@ -143,6 +144,7 @@ class Run {
     const double tolerance = kLocalTolerance * report_.before.box.diagonal();
     why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
     if (!why_not.empty()) return false;
+    sources_ = std::move(solution->source);
     report_.method = name(Method::local);
     report_.method_reason = fine ? "the input is valid as it is" : "what is broken could be mended where it is, and nothing is lost";
     return true;
@@ -213,10 +215,10 @@ class Run {
 
   // Nothing is lost silently.
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
-    std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNewFacet);
+    std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
     for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
     report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](std::uint32_t f) -> std::string {
-      if (prepared_facet[f] == kNewFacet) return "dropped";
+      if (prepared_facet[f] == kNoFacet) return "dropped";
       if (roles[prepared_facet[f]] == FacetRole::interior) return "inside the solid";
       if (roles[prepared_facet[f]] == FacetRole::unresolved) return "thinner than a cell";
       return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
@@ -227,7 +229,7 @@ class Run {
     report_.actions.components_lost = missing.count;
     report_.actions.area_lost = lost;
     for (ComponentFate& c : report_.components) {
-      if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNewFacet) continue;
+      if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;
       c.fate = "lost";
       c.reason = report_.options.smooth > 0 ? "thinner than a cell, or smoothed away" : "thinner than a cell";
     }
@@ -250,8 +252,16 @@ class Run {
     if (report_.failure && !job_.allow_invalid) return;
     if (report_.after.facets == 0) return;
     begin("writing");
+    if (!input_.groups.empty() || !input_.colors.empty()) decorate(output);
     output.publish();
     report_.written = true;
+  }
+
+  // The result with the input's names and colours: the same facets, in another order.
+  void decorate(CleanedOutput& output) {
+    const bool all_known = !sources_.empty() && std::find(sources_.begin(), sources_.end(), kNoFacet) == sources_.end();
+    transfer_attributes(input_, TriangleIndex(all_known ? TriangleSoup{} : input_), result_, sources_);
+    output.write_and_read_back(result_);
   }
 
   const CleanJob& job_;
@@ -262,6 +272,7 @@ class Run {
   Inspection inspection_;
   PreparedInput prepared_;
   TriangleSoup result_;  // read back, welded
+  std::vector<std::uint32_t> sources_;  // facets of the input behind those of the result, after a local repair
 };
 
 }  // namespace

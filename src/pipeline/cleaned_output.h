@@ -36,6 +36,7 @@ class CleanedOutput {
   const TriangleSoup& write_and_read_back(const TriangleSoup& soup);
 
   // The surface as read back from the temporary, welded.
+  const TriangleSoup& result() const { return result_; }
   TriangleSoup take_result() { return std::move(result_); }
 
   // True if float32 coordinates of that size deform a surface of such cells visibly.

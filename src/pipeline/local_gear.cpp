@@ -50,7 +50,7 @@ Difference difference(const LocalSolution& solution, std::size_t input_facets) {
   Difference d;
   std::vector<char> kept(input_facets, 0);
   for (std::uint32_t f = 0; f < solution.source.size(); ++f) {
-    if (solution.source[f] != kNewFacet)
+    if (solution.source[f] != kNoFacet)
       kept[solution.source[f]] = 1;
     else
       (solution.fills_hole[f] ? d.filling : d.added).push_back(f);
@@ -142,7 +142,7 @@ std::optional<LocalSolution> solve_locally(const PreparedInput& prepared, Repair
   report.holes = std::move(repaired.holes);
   LocalSolution solution{std::move(repaired.soup), std::move(repaired.source), std::move(repaired.fills_hole)};
   for (std::uint32_t& f : solution.source)
-    if (f != kNewFacet) f = prepared.source[used[f]];
+    if (f != kNoFacet) f = prepared.source[used[f]];
   return solution;
 }
 

@@ -17,7 +17,7 @@ namespace burnish {
 // A surface to be written.
 struct LocalSolution {
   TriangleSoup soup;                  // welded
-  std::vector<std::uint32_t> source;  // facet of the welded input with the same points, or kNewFacet
+  std::vector<std::uint32_t> source;  // facet of the welded input with the same points, or kNoFacet
   std::vector<char> fills_hole;
 };
 

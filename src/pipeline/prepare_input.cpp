@@ -50,7 +50,8 @@ class Preparation {
  public:
   Preparation(const TriangleSoup& welded, const CleanOptions& options, RepairReport& report)
       : welded_(welded), options_(options), report_(report) {
-    soup_ = welded;
+    soup_.points = welded.points;
+    soup_.facets = welded.facets;
     source_.resize(welded.facets.size());
     for (std::uint32_t f = 0; f < source_.size(); ++f) source_[f] = f;
   }

@@ -153,6 +153,13 @@ Json json_of(const Deviation& d) {
   };
 }
 
+Json json_of(const std::vector<GroupSummary>& groups) {
+  Json list = Json::array();
+  for (const GroupSummary& group : groups)
+    list.push_back({{"name", group.name}, {"facets", group.facets}, {"area", group.area}});
+  return list;
+}
+
 Json json_of(const std::vector<StageCost>& stages) {
   Json list = Json::array();
   for (const StageCost& stage : stages) {
@@ -192,6 +199,16 @@ Json largest_of(const std::vector<LocatedDefect>& locations) {
 
 }  // namespace
 
+std::vector<GroupSummary> summaries_of_groups(const TriangleSoup& soup) {
+  std::vector<GroupSummary> summaries;
+  for (const FacetGroup& group : soup.groups) {
+    summaries.push_back({group.name, group.facet_count, 0});
+    for (std::size_t f = group.first_facet; f < group.first_facet + std::size_t{group.facet_count}; ++f)
+      summaries.back().area += 0.5 * norm(facet_normal_2a(soup, f));
+  }
+  return summaries;
+}
+
 std::string to_json(const RepairReport& r) {
   return text_of({
       {"version", kReportVersion},
@@ -204,6 +221,7 @@ std::string to_json(const RepairReport& r) {
       {"failure", r.failure ? json_of(*r.failure) : Json()},
       {"warnings", Json(r.warnings)},
       {"options", json_of(r.options)},
+      {"groups", json_of(r.groups)},
       {"before", json_of(r.before)},
       {"actions", json_of(r.actions)},
       {"holes", list_of(r.holes)},

@@ -179,6 +179,14 @@ void finish(Cap& cap, const TriangleSoup& soup) {
   for (std::size_t f = cap.first_facet; f < soup.facets.size(); ++f) cap.hole.area += 0.5 * norm(facet_normal_2a(soup, f));
 }
 
+// Groups and colours speak of all facets or of none.
+void name_caps(TriangleSoup& soup, std::size_t first) {
+  const std::size_t caps = soup.facets.size() - first;
+  if (!soup.colors.empty()) soup.colors.resize(soup.facets.size(), kNoColor);
+  if (!soup.groups.empty() && caps > 0)
+    soup.groups.push_back({"", static_cast<std::uint32_t>(first), static_cast<std::uint32_t>(caps)});
+}
+
 }  // namespace
 
 CappedSoup cap_boundary(const TriangleSoup& oriented) {
@@ -199,6 +207,7 @@ CappedSoup cap_boundary(const TriangleSoup& oriented) {
     result.cap_area += cap.hole.area;
     result.caps.push_back(cap);
   }
+  name_caps(soup, result.first_cap_facet);
   return result;
 }
 

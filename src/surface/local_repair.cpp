@@ -81,7 +81,7 @@ class LocalRepairer {
     mesh_.reserve(static_cast<Mesh::size_type>(pieces.soup.points.size()), static_cast<Mesh::size_type>(3 * pieces.soup.facets.size() / 2),
                   static_cast<Mesh::size_type>(pieces.soup.facets.size()));
     for (const Vec3& p : pieces.soup.points) mesh_.add_vertex(to_cgal(p));
-    source_ = mesh_.add_property_map<FaceIndex, std::uint32_t>("f:source", kNewFacet).first;
+    source_ = mesh_.add_property_map<FaceIndex, std::uint32_t>("f:source", kNoFacet).first;
     fills_ = mesh_.add_property_map<FaceIndex, char>("f:fills", 0).first;
     for (std::uint32_t f = 0; f < pieces.soup.facets.size(); ++f) {
       const Facet& facet = pieces.soup.facets[f];
@@ -308,9 +308,9 @@ class LocalRepairer {
     result_.soup = weld(std::move(now.soup));
   }
 
-  // Turns facet f to begin where its source does. Returns the source, or kNewFacet if their points are not the same.
+  // Turns facet f to begin where its source does. Returns the source, or kNoFacet if their points are not the same.
   std::uint32_t restore(TriangleSoup& soup, std::size_t f, std::uint32_t source) const {
-    if (source == kNewFacet) return kNewFacet;
+    if (source == kNoFacet) return kNoFacet;
     Facet& facet = soup.facets[f];
     for (int shift = 0; shift < 3; ++shift) {
       if (soup.corner(f, 0) == input_.corner(source, 0) && soup.corner(f, 1) == input_.corner(source, 1) &&
@@ -318,7 +318,7 @@ class LocalRepairer {
         return source;
       std::rotate(facet.begin(), facet.begin() + 1, facet.end());
     }
-    return kNewFacet;
+    return kNoFacet;
   }
 
   const TriangleSoup& input_;

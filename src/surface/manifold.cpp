@@ -83,7 +83,6 @@ ManifoldPieces split_into_manifold_pieces(const TriangleSoup& oriented) {
   }
   result.soup.points = oriented.points;
   result.soup.facets = oriented.facets;
-  result.soup.groups = oriented.groups;
   result.original.resize(oriented.points.size());
   for (std::uint32_t p = 0; p < oriented.points.size(); ++p) result.original[p] = p;
   std::vector<char> taken(oriented.points.size(), 0);

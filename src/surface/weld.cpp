@@ -164,6 +164,7 @@ TriangleSoup weld(const TriangleSoup& soup) {
   TriangleSoup result;
   result.facets = soup.facets;
   result.groups = soup.groups;
+  result.colors = soup.colors;
   result.points = weld_in_place(soup.points, result.facets);
   return result;
 }
@@ -191,8 +192,11 @@ CleanedFacets drop_degenerate_and_duplicate_facets(const TriangleSoup& soup) {
   result.duplicate = static_cast<std::size_t>(std::count(kinds.begin(), kinds.end(), FacetKind::duplicate));
   result.soup.points = soup.points;
   result.soup.groups = groups_after_dropping(soup.groups, kinds);
-  for (std::size_t f = 0; f < kinds.size(); ++f)
-    if (kinds[f] == FacetKind::proper) result.soup.facets.push_back(soup.facets[f]);
+  for (std::size_t f = 0; f < kinds.size(); ++f) {
+    if (kinds[f] != FacetKind::proper) continue;
+    result.soup.facets.push_back(soup.facets[f]);
+    if (!soup.colors.empty()) result.soup.colors.push_back(soup.colors[f]);
+  }
   result.soup = weld(std::move(result.soup));
   return result;
 }

@@ -163,6 +163,7 @@ CLEAN = [
     Case("cube.stl -o x.ply --cell 4%", 0, r"^x\.ply: a valid solid", makes=["x.ply"]),
     Case("cube.stl -o x.obj --cell 0.05", 0, r"^x\.obj: a valid solid", makes=["x.obj"]),
     Case(f"cube.stl -ox.off {QUICK}", 0, r"^x\.off: a valid solid", makes=["x.off"]),
+    Case(f"cube.stl -ox.stla {QUICK}", 0, r"^x\.stla: a valid solid", makes=["x.stla"]),
     Case("cube.stl -o x.stl", 0, r"^x\.stl: a valid solid", makes=["x.stl"]),
     Case(f"cube.stl -o x.stl --smooth 3h --deviation 1h {QUICK}", 0, r"^x\.stl: a valid solid",
          makes=["x.stl"]),

@@ -25,6 +25,8 @@ void check_promises(const burnish::TriangleSoup& soup) {
     covered += g.facet_count;
   }
   require(soup.groups.empty() || covered == soup.facets.size());
+  require(soup.colors.empty() || soup.colors.size() == soup.facets.size());
+  for (const burnish::Color c : soup.colors) require(c == burnish::kNoColor || burnish::channel(c, 3) > 0);
 }
 
 void read_as(std::span<const std::byte> bytes, const char* label, bool salvage) {

@@ -2,10 +2,13 @@
 #pragma once
 
 #include <gtest/gtest.h>
+#include <stdlib.h>
+#include <unistd.h>
 
 #include <array>
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <initializer_list>
 #include <span>
 #include <string>
@@ -37,16 +40,19 @@ void append_raw(std::string& bytes, T value) {
   bytes.append(reinterpret_cast<const char*>(&value), sizeof value);
 }
 
-// A binary STL that promises `count` facets and holds `triangles`.
+// A binary STL that promises `count` facets and holds `triangles`. Attributes repeat; by default they are
+// junk.
 inline std::string binary_stl(const std::vector<Triangle>& triangles, std::uint32_t count,
-                              std::string header = "test") {
+                              std::string header = "test",
+                              const std::vector<std::uint16_t>& attributes = {0x2020}) {
   header.resize(80, '\0');
   append_raw(header, count);
+  std::size_t facet = 0;
   for (const Triangle& t : triangles) {
     for (int i = 0; i < 3; ++i) append_raw(header, 0.0f);
     for (const Vec3& p : t)
       for (int axis = 0; axis < 3; ++axis) append_raw(header, static_cast<float>(p[axis]));
-    append_raw(header, std::uint16_t{0x8421});
+    append_raw(header, attributes[facet++ % attributes.size()]);
   }
   return header;
 }
@@ -58,6 +64,18 @@ inline std::string binary_stl(const std::vector<Triangle>& triangles) {
 inline MeshFile read_text(const std::string& bytes, const std::string& label = "test.stl",
                           bool salvage = false) {
   return read_mesh(std::as_bytes(std::span(bytes)), label, {salvage});
+}
+
+// The bytes that write_mesh gives.
+inline std::string written(const TriangleSoup& soup, const MeshWriteOptions& options) {
+  std::string path = (std::filesystem::temp_directory_path() / "burnish_io_XXXXXX").string();
+  const int fd = ::mkstemp(path.data());
+  ::unlink(path.c_str());
+  write_mesh(fd, "test", soup, options);
+  std::string bytes(static_cast<std::size_t>(::lseek(fd, 0, SEEK_END)), '\0');
+  EXPECT_EQ(::pread(fd, bytes.data(), bytes.size(), 0), static_cast<ssize_t>(bytes.size()));
+  ::close(fd);
+  return bytes;
 }
 
 // The error that reading gives: its message and, after a bar, its hint. Empty when there was none.

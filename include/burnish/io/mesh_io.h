@@ -4,6 +4,17 @@
 // read with from_chars to the nearest double. Stored normals are never looked at: orientation is the
 // order of a facet's vertices. Polygons of OBJ, PLY and OFF are cut into fans.
 //
+// Names and colours are kept where the format has them (docs/formats.md):
+//
+//                 groups                                  colours of facets
+//   binary STL    -                                       attributes: Magics, VisCAM; 5 bits a channel
+//   ASCII STL     solids                                  -
+//   OBJ           g, o (written: g)                       -
+//   PLY           property group, its names in comments   properties red, green, blue, alpha of face
+//   OFF           -                                       behind the indices
+//
+// Attributes of a binary STL that look like no convention give no colours: many programs leave junk there.
+//
 // What is broken is an error; what is merely odd is read, with a warning:
 //
 //   in the file                                     by default            with salvage
@@ -49,18 +60,19 @@ struct MeshReadOptions {
 struct MeshFile {
   TriangleSoup soup;   // STL: three points of its own per facet; others: points as in the file
   MeshFormat format = MeshFormat::stl_binary;
-  std::string header;  // binary STL: the 80 bytes up to the first NUL; otherwise empty
+  // Binary STL: the text of its 80 bytes, up to the first NUL or COLOR=, without blanks at its end. Otherwise empty.
+  std::string header;
   // What was tolerated or dropped, one sentence each, without the file's name.
   std::vector<std::string> warnings;
 };
 
 // Reads the file at `path`, or standard input to its end if `path` is "-". The format is found from the
-// content first and the name second; the solids of an ASCII STL and the groups of an OBJ become groups,
-// those without facets left out.
+// content first and the name second. Solids and groups without facets are left out; of a PLY whose groups are
+// no runs of faces, all are, with a warning.
 // Throws Error{unreadable_input} that names file, place (byte, or line counted over LF, CR and CRLF),
 // expected and found. A file without a single facet is an error too: there is nothing to work on.
 // Throws Error{interrupted} if a signal wakes it while it waits for standard input.
-// Memory: 84 bytes per facet of an STL, plus the mapping, which belongs to the system's file cache.
+// Memory: 84 bytes per facet of an STL (88 with colours), plus the mapping, which belongs to the system's file cache.
 // Cost: about 0.03 to 0.06 us per facet of a binary STL, 2 ns per byte of an ASCII one.
 MeshFile read_mesh(const std::string& path, const MeshReadOptions& options = {});
 
@@ -69,7 +81,8 @@ MeshFile read_mesh(const std::string& path, const MeshReadOptions& options = {})
 MeshFile read_mesh(std::span<const std::byte> bytes, const std::string& label,
                    const MeshReadOptions& options = {});
 
-// The format a path's suffix asks for when writing (.stl: binary STL, .ply: binary PLY, .obj, .off).
+// The format a path's suffix asks for when writing (.stl: binary STL, .stla: ASCII STL, .ply: binary PLY,
+// .obj, .off).
 // Throws Error{usage} for an unknown suffix, naming the known ones.
 MeshFormat format_for_writing(const std::string& path);
 
@@ -77,14 +90,16 @@ struct MeshWriteOptions {
   MeshFormat format = MeshFormat::stl_binary;
   bool double_precision = true;  // PLY only: double coordinates; STL is float32 by definition
   // Binary STL: first 79 bytes of the header, after "STL " if it would begin with "solid", which readers
-  // take for text. ASCII STL: the solid's name, unless the soup has groups: each becomes a solid.
+  // take for text, and before the COLOR= of a soup with colours. ASCII STL: the solid's name, unless the soup
+  // has groups: each becomes a solid.
   std::string header = "burnish";
 };
 
 // Writes to the open file descriptor `fd` and leaves it open; it need not be able to seek. Text has as
 // many digits as it takes to read the same double back, for coordinates rounded to float32 too: readers
 // of either precision see one and the same point. STL normals are computed from the rounded vertices;
-// a facet without area gets a zero normal. OBJ and ASCII STL keep groups.
+// a facet without area gets a zero normal. Groups and colours are written where the format holds them; of names,
+// ends of lines become blanks.
 // Throws Error{unwritable_output}, naming `label`, when the system refuses bytes (disk full; closed pipe,
 // if the program ignores SIGPIPE) and when a coordinate is beyond the range of the format's float32.
 void write_mesh(int fd, const std::string& label, const TriangleSoup& soup,

@@ -11,9 +11,6 @@
 
 namespace burnish {
 
-// Marks the nodes that no facet lies within the band of.
-inline constexpr std::uint32_t kNoFacet = 0xffffffffu;
-
 struct DistanceField {
   Field<float> distance;          // in cells; at most `band`
   Field<std::uint32_t> nearest;   // index of a closest facet; kNoFacet beyond the band

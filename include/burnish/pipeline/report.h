@@ -87,6 +87,16 @@ struct SmoothingSummary {
   double volume_after = 0;
 };
 
+// A group of the input: a solid of an STL, a group of an OBJ or PLY.
+struct GroupSummary {
+  std::string name;        // as in the file, bytes untouched
+  std::size_t facets = 0;  // as read, useless ones included
+  double area = 0;         // model units squared
+};
+
+// The groups of a soup, in order; none for a soup that has none.
+std::vector<GroupSummary> summaries_of_groups(const TriangleSoup& soup);
+
 struct RepairReport {
   std::string method;         // "local" or "levelset"; empty if neither was reached
   std::string method_reason;  // why that one
@@ -95,6 +105,7 @@ struct RepairReport {
   std::string output;
   std::string output_format;
   ResolvedOptions options;
+  std::vector<GroupSummary> groups;  // of the input, as read
   Defects before;
   RepairActions actions;
   std::vector<Hole> holes;                // largest first

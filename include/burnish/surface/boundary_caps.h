@@ -28,7 +28,7 @@ struct CappedSoup {
   double cap_area = 0;
 };
 
-// Caps a welded, oriented soup.
+// Caps a welded, oriented soup. Caps have no colour; where there are groups, they are one more, without a name.
 //
 // Loops of up to 256 edges get the triangulation of least area (dynamic programming, O(n^3); Klincsek
 // 1980); longer ones a membrane: a disc of rings whose points solve Laplace's equation with the loop as

@@ -26,11 +26,9 @@ struct LocalRepairOptions {
   std::optional<double> max_hole;
 };
 
-inline constexpr std::uint32_t kNewFacet = 0xffffffffu;
-
 struct LocalRepairResult {
   TriangleSoup soup;                      // welded
-  // The facet of the input with the same three points, or kNewFacet.
+  // The facet of the input with the same three points, or kNoFacet.
   std::vector<std::uint32_t> source;
   std::vector<char> fills_hole;           // 1 for facets that fill a hole
   std::vector<Hole> holes;                // largest first

@@ -8,7 +8,7 @@
 namespace burnish {
 
 struct OrientedSoup {
-  TriangleSoup soup;            // facets, points and groups in the order of the input
+  TriangleSoup soup;            // facets, points, groups and colours in the order of the input
   std::size_t facets_flipped = 0;
   std::size_t patches = 0;      // pieces connected through edges that two facets share
   std::size_t patches_flipped = 0;  // of which turned over as a whole

@@ -9,8 +9,8 @@
 namespace burnish {
 
 // The soup with one point per distinct coordinate triple (-0 and +0 are equal), points in the order of
-// their first use by a facet, unused points dropped, facets and groups as before (nothing is removed,
-// not even a facet that has become degenerate). Linear in the number of facets.
+// their first use by a facet, unused points dropped, facets, groups and colours as before (nothing
+// is removed, not even a facet that has become degenerate). Linear in the number of facets.
 TriangleSoup weld(const TriangleSoup& soup);
 TriangleSoup weld(TriangleSoup&& soup);
 
@@ -30,7 +30,8 @@ struct CleanedFacets {
   std::size_t duplicate = 0;   // facets dropped: same three points as an earlier one, in any order
 };
 
-// Drops degenerate facets and all but the first of duplicates. `soup` must be welded. Groups follow.
+// Drops degenerate facets and all but the first of duplicates. `soup` must be welded. Groups and colours
+// follow; a group that has lost all its facets stays, with none.
 CleanedFacets drop_degenerate_and_duplicate_facets(const TriangleSoup& soup);
 
 }  // namespace burnish
