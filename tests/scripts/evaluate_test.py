@@ -41,6 +41,8 @@ if what == "closes": write("valid")
 if what == "warns": write("valid", warnings=["capped"])
 if what == "sheet" and "--keep-openings" in sys.argv: write("sheet")
 elif what in ("sheet", "refuses"): print("burnish: bounds no solid", file=sys.stderr); sys.exit(5)
+if what == "riddle": write("riddle")
+if what == "closes": print("reading 0.00 s", file=sys.stderr)
 if what == "lies": write("broken")
 if what == "silent": sys.exit(5)
 if what == "keeps": write("valid"); print("burnish: no", file=sys.stderr); sys.exit(5)
@@ -55,6 +57,7 @@ if what == "litters": write("valid"); open(os.path.join(os.path.dirname(output),
 JUDGE = """#!{python}
 import json, sys
 text = open(sys.argv[2]).read()
+if text == "riddle": sys.exit("cannot tell")
 side = {{"rms": 1.0, "max": 1.0, "far_share": 0.25}}
 print(json.dumps({{"input": {{"diagonal": 50.0, "area": 10.0}},
                   "output": {{"valid": text == "valid", "valid_sheet": text == "sheet", "volume": 3.0,
@@ -122,6 +125,12 @@ class Evaluate(unittest.TestCase):
         _, text, results = self.evaluate(("good", "solid", ""), options=("--judge", self.root / "nobody"))
         self.assertIn("no judge: the judgement is the program's own", text)
         self.assertEqual(results["good"]["verdict"], "valid")
+
+    def test_no_judgement_is_no_accusation(self):
+        _, text, results = self.evaluate(("riddle", "solid", ""), options=("--judge", self.judge))
+        self.assertEqual(results["riddle"]["verdict"], "unjudged")
+        self.assertEqual(results["riddle"]["failures"], ["the judge failed: cannot tell"])
+        self.assertIn("MISSED results without a judgement: 1", text)
 
     def test_usable_is_more_than_valid(self):
         _, text, results = self.evaluate(("far_off", "solid", ""), ("shrunk", "solid", "1.3"), ("lies", "solid", ""),
