@@ -11,6 +11,12 @@
 namespace burnish {
 namespace {
 
+// A fuzzer's runs are of a few facets, and there would be nothing but samples in them.
+#ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
+constexpr std::size_t kMostAreaSamples = 200;
+#else
+constexpr std::size_t kMostAreaSamples = static_cast<std::size_t>(-1);
+#endif
 constexpr std::size_t kGrain = 256;
 
 // Running maximum and moments of distances.
@@ -70,7 +76,7 @@ OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleInde
   if (from.facets.empty() || to.facet_count() == 0) return {};
   const std::vector<double> cumulative = cumulative_areas(from);
   const double total = cumulative.back();
-  const std::size_t n = total > 0 ? options.area_samples : 0;
+  const std::size_t n = total > 0 ? std::min(options.area_samples, kMostAreaSamples) : 0;
   const Moments by_area = measure(n, to, [&](std::size_t i) {
     const double target = (static_cast<double>(i) + 0.5) / static_cast<double>(n) * total;
     const auto it = std::upper_bound(cumulative.begin(), cumulative.end() - 1, target);
