@@ -17,7 +17,7 @@ TEST(RandomSoup, IsMadeAValidSolidOrRefused) {
   const Folder folder;
   for (std::uint64_t seed = 1; seed <= 60; ++seed) {
     std::mt19937_64 engine(seed);
-    std::vector<std::uint8_t> bytes(16 + engine() % 120);
+    std::vector<std::uint8_t> bytes(60 + engine() % 120);
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(engine() >> 32);
     EXPECT_EQ(broken_promise(small_job(bytes), folder.path("")), "") << "seed " << seed;
   }
