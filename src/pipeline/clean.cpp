@@ -131,7 +131,7 @@ class Run {
     begin("repairing locally");
     const std::vector<Hole> holes = report_.holes;
     const bool fine = is_fine_as_it_is();
-    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(prepared_, report_, progress_, why_not);
+    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, report_, progress_, why_not);
     if (!solution) return false;
     begin("verifying");
     inspect_result(output.write_and_read_back(solution->soup));
@@ -144,6 +144,7 @@ class Run {
     const double tolerance = kLocalTolerance * report_.before.box.diagonal();
     why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
     if (!why_not.empty()) return false;
+    warn_of_losses({});
     sources_ = std::move(solution->source);
     report_.method = name(Method::local);
     report_.method_reason = fine ? "the input is valid as it is" : "what is broken could be mended where it is, and nothing is lost";
@@ -167,6 +168,7 @@ class Run {
     a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_removed = a.facets_added = 0;
     a.largest_split = 0;
     report_.changes.clear();
+    report_.losses.clear();
     report_.deviation = {};
     report_.after = {};
     report_.verified = report_.is_sheet = false;
@@ -218,16 +220,13 @@ class Run {
     std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
     for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
     report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](std::uint32_t f) -> std::string {
-      if (prepared_facet[f] == kNoFacet) return "dropped";
+      if (prepared_.fates[f] != FacetFate::used) return std::string(reason(prepared_.fates[f]));
       if (roles[prepared_facet[f]] == FacetRole::interior) return "inside the solid";
       if (roles[prepared_facet[f]] == FacetRole::unresolved) return "thinner than a cell";
       return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
     });
-    double lost = 0;
-    for (const Loss& loss : report_.losses) lost += loss.reason == "inside the solid" ? 0 : loss.area;
     const MissingComponents missing = missing_components(input_, result_index, limit);
     report_.actions.components_lost = missing.count;
-    report_.actions.area_lost = lost;
     for (ComponentFate& c : report_.components) {
       if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;
       c.fate = "lost";
@@ -237,6 +236,8 @@ class Run {
   }
 
   void warn_of_losses(const MissingComponents& missing) {
+    report_.actions.area_lost = 0;
+    for (const Loss& loss : report_.losses) report_.actions.area_lost += loss.reason == "inside the solid" ? 0 : loss.area;
     if (missing.count > 0)
       report_.warnings.push_back(fmt::format(
           "{} of the input's components ({:.3g} of area) are not in the result, being thinner than a cell or smaller than the smoothing "

@@ -10,6 +10,7 @@
 #include "burnish/surface/local_repair.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
+#include "losses.h"
 
 namespace burnish {
 namespace {
@@ -41,12 +42,13 @@ double expected_volume(const PreparedInput& prepared) {
 
 // What two surfaces do not have in common.
 struct Difference {
-  std::vector<std::uint32_t> removed;  // facets of the input
+  std::vector<std::uint32_t> removed;  // facets of the input, but for those that were left out on purpose
+  std::vector<std::uint32_t> left_out;
   std::vector<std::uint32_t> added;    // facets of the result that fill no hole
   std::vector<std::uint32_t> filling;
 };
 
-Difference difference(const LocalSolution& solution, std::size_t input_facets) {
+Difference difference(const LocalSolution& solution, const PreparedInput& prepared, std::size_t input_facets) {
   Difference d;
   std::vector<char> kept(input_facets, 0);
   for (std::uint32_t f = 0; f < solution.source.size(); ++f) {
@@ -56,8 +58,15 @@ Difference difference(const LocalSolution& solution, std::size_t input_facets) {
       (solution.fills_hole[f] ? d.filling : d.added).push_back(f);
   }
   for (std::uint32_t f = 0; f < input_facets; ++f)
-    if (!kept[f]) d.removed.push_back(f);
+    if (!kept[f]) (prepared.fates[f] == FacetFate::used ? d.removed : d.left_out).push_back(f);
   return d;
+}
+
+// Whether two facets have the same points, whichever way round.
+bool has_same_points(const TriangleSoup& a, std::size_t f, const TriangleSoup& b, std::size_t g) {
+  for (int i = 0; i < 3; ++i)
+    if (a.corner(f, i) != b.corner(g, 0) && a.corner(f, i) != b.corner(g, 1) && a.corner(f, i) != b.corner(g, 2)) return false;
+  return true;
 }
 
 double area_of(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
@@ -66,13 +75,21 @@ double area_of(const TriangleSoup& soup, const std::vector<std::uint32_t>& facet
   return sum;
 }
 
+// The distances of two parts of a surface that have these shares of its area; the rest coincides.
+OneSidedDistance sum(const OneSidedDistance& p, double share_p, const OneSidedDistance& q, double share_q) {
+  return {std::max(p.max, q.max), p.mean * share_p + q.mean * share_q,
+          std::sqrt(p.rms * p.rms * share_p + q.rms * q.rms * share_q), p.samples + q.samples};
+}
+
 // The places where facets changed: sets of removed and added facets that share points.
 std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, const TriangleSoup& result) {
   TriangleSoup both;
   both.points = welded.points;
   both.points.insert(both.points.end(), result.points.begin(), result.points.end());
   const auto shift = static_cast<std::uint32_t>(welded.points.size());
-  for (const std::uint32_t f : d.removed) both.facets.push_back(welded.facets[f]);
+  for (const auto* list : {&d.removed, &d.left_out})
+    for (const std::uint32_t f : *list) both.facets.push_back(welded.facets[f]);
+  const std::size_t gone = both.facets.size();
   for (const auto* list : {&d.added, &d.filling})
     for (const std::uint32_t f : *list) {
       Facet facet = result.facets[f];
@@ -89,7 +106,7 @@ std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, 
   std::vector<Box3> box_at(both.points.size());
   for (std::size_t f = 0; f < both.facets.size(); ++f) {
     const std::uint32_t place = places.find(both.facets[f][0]);
-    ++(f < d.removed.size() ? change_at[place].facets_removed : change_at[place].facets_added);
+    ++(f < gone ? change_at[place].facets_removed : change_at[place].facets_added);
     for (int i = 0; i < 3; ++i) box_at[place].extend(both.corner(f, i));
   }
   std::vector<Change> changes;
@@ -122,7 +139,7 @@ LocalSolution unchanged(const TriangleSoup& welded) {
   return solution;
 }
 
-std::optional<LocalSolution> solve_locally(const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal) {
+std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal) {
   if (prepared.bodies_overlap) {
     refusal = "bodies overlap: their union is needed";
     return std::nullopt;
@@ -141,23 +158,32 @@ std::optional<LocalSolution> solve_locally(const PreparedInput& prepared, Repair
   actions.intersecting_pairs_removed = repaired.intersecting_pairs_removed;
   report.holes = std::move(repaired.holes);
   LocalSolution solution{std::move(repaired.soup), std::move(repaired.source), std::move(repaired.fills_hole)};
-  for (std::uint32_t& f : solution.source)
-    if (f != kNoFacet) f = prepared.source[used[f]];
+  // Joining points has moved some before they came here.
+  for (std::size_t f = 0; f < solution.source.size(); ++f) {
+    std::uint32_t& source = solution.source[f];
+    if (source != kNoFacet) source = prepared.source[used[source]];
+    if (source != kNoFacet && !has_same_points(solution.soup, f, welded, source)) source = kNoFacet;
+  }
   return solution;
 }
 
 std::string objection_to(const LocalSolution& solution, const TriangleSoup& result, const TriangleSoup& welded,
                          const PreparedInput& prepared, double tolerance, RepairReport& report) {
-  const Difference d = difference(solution, welded.facets.size());
-  report.actions.facets_removed = d.removed.size();
+  const Difference d = difference(solution, prepared, welded.facets.size());
+  const std::size_t gone = d.removed.size() + d.left_out.size();
+  report.actions.facets_removed = gone;
   report.actions.facets_added = d.added.size() + d.filling.size();
-  report.actions.facets_kept = welded.facets.size() - d.removed.size();
+  report.actions.facets_kept = welded.facets.size() - gone;
   report.deviation = {};
   const double before = area(welded), after = area(result);
   std::string objection;
-  if (!d.removed.empty()) {
-    const OneSidedDistance lost = one_sided_distance(picked(welded, d.removed), TriangleIndex(result));
-    report.deviation.input_to_output = diluted(lost, area_of(welded, d.removed) / before);
+  if (gone > 0) {
+    const TriangleIndex index(result);
+    const OneSidedDistance lost = one_sided_distance(picked(welded, d.removed), index);
+    std::vector<FarSample> far;
+    const OneSidedDistance left = one_sided_distance(picked(welded, d.left_out), index, {.far_beyond = tolerance}, &far);
+    report.deviation.input_to_output = sum(lost, area_of(welded, d.removed) / before, left, area_of(welded, d.left_out) / before);
+    report.losses = gather_losses(far, report.before.box.diagonal(), [&](std::uint32_t f) { return std::string(reason(prepared.fates[d.left_out[f]])); });
     if (lost.max > tolerance) objection = fmt::format("{:.3g} away from the result something of the input would be lost", lost.max);
   }
   const std::vector<std::uint32_t>& added = d.added;
@@ -166,9 +192,7 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
     const OneSidedDistance moved = one_sided_distance(picked(result, added), input);
     const OneSidedDistance filled = one_sided_distance(picked(result, d.filling), input);
     if (moved.max > tolerance) objection = fmt::format("facets would come to lie {:.3g} away from the input", moved.max);
-    const double a = area_of(result, added) / after, b = area_of(result, d.filling) / after;
-    report.deviation.output_to_input = {std::max(moved.max, filled.max), moved.mean * a + filled.mean * b,
-                                        std::sqrt(moved.rms * moved.rms * a + filled.rms * filled.rms * b), moved.samples + filled.samples};
+    report.deviation.output_to_input = sum(moved, area_of(result, added) / after, filled, area_of(result, d.filling) / after);
   }
   report.changes = changes_of(d, welded, result);
   const double volume = expected_volume(prepared);

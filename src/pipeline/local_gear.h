@@ -26,7 +26,7 @@ std::string reason_against_local(const CleanOptions& options);
 
 // Mends the prepared input. Empty, with the reason in `refusal`, if that is not a matter of single facets.
 // Fills in the local gear's lines of report.actions, and report.holes.
-std::optional<LocalSolution> solve_locally(const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal);
+std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal);
 // The solution for an input that is valid as it is.
 LocalSolution unchanged(const TriangleSoup& welded);
 

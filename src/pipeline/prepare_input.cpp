@@ -20,6 +20,10 @@ constexpr double kWeldShare = 0.1;        // of the median edge: that tolerance
 constexpr double kSheetCapShare = 0.75;   // caps larger than this part of the input's area
 constexpr double kSheetRoundness = 0.02;  // and whose solid is flat by this measure are sheets
 constexpr double kFlatRoundness = 1e-7;   // below this there is nothing inside
+constexpr double kFewSheets = 0.01;       // of the area: components without thickness may be left out up to that
+constexpr double kWeldedSoup = 0.5;       // of the edges unmatched: nothing but points near each other joins the facets
+constexpr double kWeldDiagonals = 1e-3;   // the tolerance's bound, unless that is so
+constexpr double kManyFlipped = 0.1;      // of the facets against their neighbours: worth a warning
 
 double median_edge(const TriangleSoup& soup) {
   std::vector<double> lengths;
@@ -40,8 +44,7 @@ double open_share(const TriangleSoup& soup) {
 }
 
 // 36 pi V^2 / A^3: 1 for a ball, 0 for what is flat. [T-SHEET-1]
-double isoperimetric_quotient(const TriangleSoup& soup) {
-  const double a = area(soup), v = signed_volume(soup);
+double isoperimetric_quotient(double a, double v) {
   return a > 0 ? 36 * std::numbers::pi * v * v / (a * a * a) : 0;
 }
 
@@ -62,11 +65,13 @@ class Preparation {
     orient_facets();
     PreparedInput result;
     cap(result);
+    if (!options_.keeps_openings() && !options_.thicken) leave_out_sheets(result);
     settle_nesting(result);
     drop_components(result);
     find_overlaps(result, intersecting);
     find_absorbed(result);
     tell_components(result);
+    tell_fates(result);
     result.oriented = std::move(soup_);
     result.source = std::move(source_);
     return result;
@@ -86,7 +91,7 @@ class Preparation {
   // [T-WELD-2]
   void join_open_edges() {
     double tolerance = report_.options.gap.value_or(0);
-    if (tolerance <= 0 && open_share(soup_) > kUnmatchedShare) tolerance = kWeldShare * median_edge(soup_);
+    if (tolerance <= 0) tolerance = default_weld_tolerance();
     if (tolerance <= 0) return;
     WeldedNear near = weld_boundaries(soup_, tolerance);
     if (near.points_moved == 0) return;
@@ -94,6 +99,13 @@ class Preparation {
     report_.actions.weld_tolerance = tolerance;
     soup_ = std::move(near.soup);
     filter();
+  }
+
+  double default_weld_tolerance() const {
+    const double open = open_share(soup_);
+    if (open <= kUnmatchedShare) return 0;
+    const double share = kWeldShare * median_edge(soup_);
+    return open > kWeldedSoup ? share : std::min(share, kWeldDiagonals * bounding_box(soup_).diagonal());
   }
 
   void orient_facets() { soup_ = orient(soup_).soup; }
@@ -163,21 +175,44 @@ class Preparation {
     double least = options_.min_component ? options_.min_component->value : 0;
     if (options_.min_component && options_.min_component->percent_of_largest) least *= 0.01 * largest;
     std::vector<char> drop(shells.size(), 0);
+    std::vector<ComponentFate> fates;
     const auto first_largest = std::find_if(shells.begin(), shells.end(), [&](const Shell& s) { return std::abs(s.volume) == largest; });
     const auto kept = static_cast<std::uint32_t>(first_largest - shells.begin());
     for (std::uint32_t s = 0; s < shells.size(); ++s) {
       const bool inside_kept = std::any_of(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) { return a.first == kept; });
       const bool small = std::abs(shells[s].volume) < least;
       drop[s] = small || (options_.keep_largest && s != kept && !inside_kept);
-      dropped_.push_back(fate_of(shells[s], "dropped", small ? "smaller than --min-component" : "not the largest component"));
+      fates.push_back(fate_of(shells[s], "dropped", small ? "smaller than --min-component" : "not the largest component"));
     }
-    count_facets(result, dropped_);
-    std::erase_if(dropped_, [&, s = std::size_t{0}](const ComponentFate&) mutable { return !drop[s++]; });
-    remove_shells(result, drop);
+    count_facets(result, fates);
+    for (std::size_t s = 0; s < shells.size(); ++s)
+      if (drop[s]) dropped_.push_back(fates[s]);
+    remove_shells(result, drop, FacetFate::dropped);
   }
 
-  void remove_shells(PreparedInput& result, const std::vector<char>& drop) {
+  // Components that enclose nothing, if they are a small part: no solid has them, and they would only be in the way.
+  void leave_out_sheets(PreparedInput& result) {
+    const std::vector<Shell>& shells = result.shells.shells;
+    std::vector<char> flat(shells.size());
+    double flat_area = 0, all_area = 0;
+    for (std::size_t s = 0; s < shells.size(); ++s) {
+      flat[s] = isoperimetric_quotient(shells[s].area, shells[s].volume) < kFlatRoundness;
+      all_area += shells[s].area;
+      if (flat[s]) flat_area += shells[s].area;
+    }
+    if (flat_area > kFewSheets * all_area) return;
+    std::vector<ComponentFate> fates;
+    for (const Shell& shell : shells) fates.push_back(fate_of(shell, "lost", "a sheet without thickness"));
+    count_facets(result, fates);
+    for (std::size_t s = 0; s < shells.size(); ++s)
+      if (flat[s]) dropped_.push_back(fates[s]);
+    remove_shells(result, flat, FacetFate::sheet);
+  }
+
+  void remove_shells(PreparedInput& result, const std::vector<char>& drop, FacetFate fate) {
     if (std::find(drop.begin(), drop.end(), 1) == drop.end()) return;
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f)
+      if (drop[result.shells.of_facet[f]]) removed_.emplace_back(source_[f], fate);
     TriangleSoup kept;
     std::vector<std::uint32_t> source;
     for (std::size_t f = 0; f < soup_.facets.size(); ++f)
@@ -246,6 +281,13 @@ class Preparation {
                      [](const ComponentFate& a, const ComponentFate& b) { return a.area > b.area; });
   }
 
+  void tell_fates(PreparedInput& result) const {
+    result.fates.assign(welded_.facets.size(), FacetFate::useless);
+    for (std::size_t f = 0; f < source_.size(); ++f)
+      result.fates[source_[f]] = result.absorbed[result.shells.of_facet[f]] ? FacetFate::absorbed : FacetFate::used;
+    for (const auto& [f, fate] : removed_) result.fates[f] = fate;
+  }
+
   static constexpr std::uint32_t kNoShell = 0xffffffffu;
 
   const TriangleSoup& welded_;
@@ -255,9 +297,30 @@ class Preparation {
   std::vector<std::uint32_t> source_;
   std::vector<char> crossed_;  // shells with facets that intersect another's
   std::vector<ComponentFate> dropped_;
+  std::vector<std::pair<std::uint32_t, FacetFate>> removed_;  // facets of the input, with their components
 };
 
+// Facets that contradict their neighbours, unless it is all of them that face inwards.
+void warn_of_flips(const TriangleSoup& welded, RepairReport& report) {
+  const double turned = static_cast<double>(report.actions.facets_flipped), all = static_cast<double>(welded.facets.size());
+  if (report.before.misoriented_edges == 0 || std::min(turned, all - turned) < kManyFlipped * all) return;
+  report.warnings.push_back(fmt::format("{} of {} facets were turned over: their orientation contradicts their neighbours', so that which side is "
+                                        "inside was found from what can be seen from outside",
+                                        report.actions.facets_flipped, welded.facets.size()));
+}
+
 }  // namespace
+
+std::string_view reason(FacetFate fate) {
+  switch (fate) {
+    case FacetFate::useless: return "a copy, or without an area";
+    case FacetFate::absorbed: return "inside the solid";
+    case FacetFate::sheet: return "a sheet without thickness";
+    case FacetFate::dropped: return "a component that was not wanted";
+    case FacetFate::used: break;
+  }
+  return {};
+}
 
 PreparedInput prepare_input(const TriangleSoup& welded, const FacetPairs& intersecting, const CleanOptions& options,
                             RepairReport& report) {
@@ -268,6 +331,7 @@ PreparedInput prepare_input(const TriangleSoup& welded, const FacetPairs& inters
   for (std::size_t f = 0; f < result.source.size(); ++f)
     actions.facets_flipped += dot(facet_normal_2a(result.oriented, f), facet_normal_2a(welded, result.source[f])) < 0;
   tell_holes(result, report);
+  warn_of_flips(welded, report);
   return result;
 }
 
@@ -285,7 +349,7 @@ std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const Prepa
   if (prepared.oriented.facets.empty() || input_area <= 0)
     return Error(ErrorCode::guarantee_unmet, fmt::format("no solid: none of the {} facets has an area", welded.facets.size()),
                  "re-export the model; every facet in this file is a line or a point");
-  const double roundness = isoperimetric_quotient(prepared.capped.soup);
+  const double roundness = isoperimetric_quotient(area(prepared.capped.soup), signed_volume(prepared.capped.soup));
   if (prepared.capped.cap_area > kSheetCapShare * input_area && roundness < kSheetRoundness)
     return Error(ErrorCode::guarantee_unmet,
                  fmt::format("no solid: an open sheet; its {} open edges in {} loops would need caps of {:.0f} % of the input's area",

@@ -5,6 +5,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 #include "burnish/core/error.h"
@@ -16,9 +17,22 @@
 
 namespace burnish {
 
+// What a facet of the input is to the repair.
+enum class FacetFate : std::uint8_t {
+  used,
+  useless,   // repeats a point, a copy, a wall between two bodies
+  absorbed,  // of a component inside the solid
+  sheet,     // of a component without thickness
+  dropped,   // of a component that is not wanted
+};
+
+// The reason as reports have it; empty for `used`.
+std::string_view reason(FacetFate fate);
+
 struct PreparedInput {
   TriangleSoup oriented;               // welded; facets without an area stay, they close what they close
   std::vector<std::uint32_t> source;   // facet of the input behind each of its facets
+  std::vector<FacetFate> fates;        // of the input's facets
   CappedSoup capped;                   // `oriented` with a cap on every loop
   Shells shells;                       // of the capped soup
   std::vector<char> absorbed;          // shells that lie within the solid, wholly and touching nothing

@@ -116,10 +116,6 @@ OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleInde
   return result;
 }
 
-OneSidedDistance diluted(const OneSidedDistance& measured, double share) {
-  return {measured.max, measured.mean * share, measured.rms * std::sqrt(share), measured.samples};
-}
-
 MissingComponents missing_components(const TriangleSoup& welded, const TriangleIndex& other, double tolerance) {
   UnionFind forest(welded.points.size());
   for (const Facet& f : welded.facets) {

@@ -15,6 +15,7 @@
 #include <cmath>
 #include <exception>
 #include <limits>
+#include <numeric>
 #include <set>
 
 #include "burnish/surface/edge_table.h"
@@ -36,7 +37,10 @@ using HalfedgeIndex = Mesh::Halfedge_index;
 
 constexpr double kMostIntersecting = 0.05;   // of the facets: beyond this too little is left to hold on to
 constexpr std::size_t kFewIntersecting = 64; // facets that may intersect in any case
+constexpr double kMostTangled = 0.02;        // of the facets may be left out because no manifold has them
+constexpr int kUntanglingRounds = 4;
 constexpr int kRemovalRounds = 4;            // each grows the part that is cut out by a ring of facets
+constexpr int kRings = 3;                    // of facets around those that intersect, which the removal may use
 constexpr std::size_t kFairedLoop = 12;      // edges: longer loops that are not flat get a faired membrane
 constexpr double kFlat = 0.01;               // of its size: how far a loop may leave its plane to be flat
 constexpr double kSplitShare = 1e-3;         // of its fan's shortest edge: how far a doubled point is moved
@@ -68,6 +72,7 @@ class LocalRepairer {
     remove_needles();
     separate_coincident_points();
     fill_holes();
+    remove_needles();
     progress_.check();
     remove_self_intersections();
     export_soup();
@@ -76,8 +81,12 @@ class LocalRepairer {
 
  private:
   void build_mesh() {
-    const ManifoldPieces pieces = split_into_manifold_pieces(input_);
+    ManifoldPieces pieces = split_into_manifold_pieces(input_);
+    std::vector<std::uint32_t> kept(input_.facets.size());
+    std::iota(kept.begin(), kept.end(), 0u);
+    for (int round = 0; !pieces.manifold && round < kUntanglingRounds; ++round) pieces = untangled(pieces, kept);
     if (!pieces.manifold) throw Refusal{"facets meet in a way that no two-sided surface has"};
+    result_.tangled_removed = input_.facets.size() - kept.size();
     mesh_.reserve(static_cast<Mesh::size_type>(pieces.soup.points.size()), static_cast<Mesh::size_type>(3 * pieces.soup.facets.size() / 2),
                   static_cast<Mesh::size_type>(pieces.soup.facets.size()));
     for (const Vec3& p : pieces.soup.points) mesh_.add_vertex(to_cgal(p));
@@ -87,8 +96,28 @@ class LocalRepairer {
       const Facet& facet = pieces.soup.facets[f];
       const FaceIndex face = mesh_.add_face(vertex(facet[0]), vertex(facet[1]), vertex(facet[2]));
       if (face == Mesh::null_face()) throw Refusal{"facets meet in a way that no 2-manifold has"};
-      source_[face] = f;
+      source_[face] = kept[f];
     }
+  }
+
+  // Leaves out the facets at edges that could not be made manifold; what they leave open is filled later.
+  ManifoldPieces untangled(const ManifoldPieces& pieces, std::vector<std::uint32_t>& kept) const {
+    const EdgeTable table(pieces.soup);
+    std::vector<char> drop(pieces.soup.facets.size(), 0);
+    for (std::size_t e = 0; e < table.size(); ++e)
+      if (table.is_non_manifold(e) || table.is_misoriented(e))
+        for (const EdgeUse& use : table.uses(e)) drop[use.facet] = 1;
+    TriangleSoup rest{input_.points, {}, {}};
+    std::vector<std::uint32_t> left;
+    for (std::size_t f = 0; f < kept.size(); ++f)
+      if (!drop[f]) {
+        left.push_back(kept[f]);
+        rest.facets.push_back(input_.facets[kept[f]]);
+      }
+    kept = std::move(left);
+    if (static_cast<double>(input_.facets.size() - kept.size()) > kMostTangled * static_cast<double>(input_.facets.size()))
+      throw Refusal{"too many facets meet in a way that no two-sided surface has"};
+    return split_into_manifold_pieces(rest);
   }
 
   static Mesh::Vertex_index vertex(std::uint32_t i) { return Mesh::Vertex_index(i); }
@@ -98,7 +127,7 @@ class LocalRepairer {
     for (const FaceIndex f : mesh_.faces())
       if (is_degenerate(f)) needles.push_back(f);
     if (needles.empty()) return;
-    result_.needles_flipped = needles.size();
+    result_.needles_flipped += needles.size();
     pmp::remove_degenerate_faces(needles, mesh_);
     for (const FaceIndex f : mesh_.faces())
       if (is_degenerate(f)) throw Refusal{"facets without an area could not be flipped away"};
@@ -220,13 +249,32 @@ class LocalRepairer {
     refuse_hopeless(now.soup, pairs);
     const std::size_t before = pairs.size();
     for (int round = 0; round < kRemovalRounds && !pairs.empty(); ++round) {
-      pmp::experimental::remove_self_intersections(mesh_, CGAL::parameters::preserve_genus(false));
-      pairs = self_intersecting_pairs(exported().soup, progress_);
+      pmp::experimental::remove_self_intersections(around(now, pairs), mesh_, CGAL::parameters::preserve_genus(false));
+      now = exported();
+      pairs = self_intersecting_pairs(now.soup, progress_);
       progress_.check();
     }
     if (!pairs.empty()) throw Refusal{fmt::format("{} of {} pairs of intersecting facets remain", pairs.size(), before)};
     require_no_new_holes();
     result_.intersecting_pairs_removed = before;
+  }
+
+  // The facets that intersect, and some rings around them: what may be cut out. CGAL looks for intersections among all
+  // that it is given, again and again.
+  std::vector<FaceIndex> around(const Exported& now, const Pairs& pairs) const {
+    std::set<FaceIndex> found;
+    for (const auto& pair : pairs)
+      for (const std::uint32_t f : pair) found.insert(now.faces[f]);
+    std::vector<FaceIndex> ring(found.begin(), found.end());
+    for (int r = 0; r < kRings; ++r) {
+      std::vector<FaceIndex> next;
+      for (const FaceIndex f : ring)
+        for (const Mesh::Vertex_index v : face_vertices(f))
+          for (const FaceIndex g : CGAL::faces_around_target(mesh_.halfedge(v), mesh_))
+            if (g != Mesh::null_face() && found.insert(g).second) next.push_back(g);
+      ring = std::move(next);
+    }
+    return {found.begin(), found.end()};
   }
 
   // Facets of different shells that intersect ask for a union, which cutting and filling is not.

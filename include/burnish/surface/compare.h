@@ -50,9 +50,6 @@ struct FarSample {
 OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to,
                                     const CompareOptions& options = {}, std::vector<FarSample>* far = nullptr);
 
-// The distances of a surface of which only this share of the area was measured, the rest being known to coincide.
-OneSidedDistance diluted(const OneSidedDistance& measured, double share);
-
 // Components of one surface that another has nothing of.
 struct MissingComponents {
   std::size_t count = 0;

@@ -36,6 +36,7 @@ struct LocalRepairResult {
   std::size_t points_split = 0;           // copies made of points that several fans shared
   double largest_split = 0;               // how far such a copy was moved
   std::size_t intersecting_pairs_removed = 0;
+  std::size_t tangled_removed = 0;        // facets at edges that no two-sided surface has
   std::string refusal;                    // empty: done; else why local repair cannot do it
 };
 
