@@ -185,7 +185,8 @@ std::string problems(const Defects& d) {
   add(d.misoriented_edges, "misoriented edge", "misoriented edges");
   add(d.degenerate_facets, "degenerate facet", "degenerate facets");
   add(d.duplicate_facets, "duplicate facet", "duplicate facets");
-  add(d.misnested_shells, "misnested shell", "misnested shells");
+  const bool inside_out = d.volume < 0 && d.misnested_shells == d.components;
+  if (!inside_out) add(d.misnested_shells, "misnested shell", "misnested shells");
   add(d.self_intersecting_pairs, "self-intersecting pair", "self-intersecting pairs");
   if (!text.empty() || d.valid_solid()) return text;
   if (!d.self_intersections_counted) return "self-intersections were not looked for";

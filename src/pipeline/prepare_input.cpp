@@ -9,6 +9,7 @@
 
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/facet_filter.h"
+#include "burnish/surface/manifold.h"
 #include "burnish/surface/orient.h"
 #include "burnish/surface/weld.h"
 
@@ -20,7 +21,7 @@ constexpr double kWeldShare = 0.1;        // of the median edge: that tolerance
 constexpr double kSheetCapShare = 0.75;   // caps larger than this part of the input's area
 constexpr double kSheetRoundness = 0.02;  // and whose solid is flat by this measure are sheets
 constexpr double kFlatRoundness = 1e-7;   // below this there is nothing inside
-constexpr double kFewSheets = 0.01;       // of the area: components without thickness may be left out up to that
+constexpr double kFewSheets = 0.05;       // of the area: pieces that are sheets may be left out up to that
 constexpr double kWeldedSoup = 0.5;       // of the edges unmatched: nothing but points near each other joins the facets
 constexpr double kWeldDiagonals = 1e-3;   // the tolerance's bound, unless that is so
 constexpr double kManyFlipped = 0.1;      // of the facets against their neighbours: worth a warning
@@ -64,8 +65,8 @@ class Preparation {
     join_open_edges();
     orient_facets();
     PreparedInput result;
+    if (!options_.keeps_openings() && !options_.thicken) leave_out_sheets();
     cap(result);
-    if (!options_.keeps_openings() && !options_.thicken) leave_out_sheets(result);
     settle_nesting(result);
     drop_components(result);
     find_overlaps(result, intersecting);
@@ -106,6 +107,30 @@ class Preparation {
     if (open <= kUnmatchedShare) return 0;
     const double share = kWeldShare * median_edge(soup_);
     return open > kWeldedSoup ? share : std::min(share, kWeldDiagonals * bounding_box(soup_).diagonal());
+  }
+
+  // Pieces that enclose nothing (fins, stray facets), if they are a small part: no solid has them. [T-SHEET-2]
+  void leave_out_sheets() {
+    const ManifoldPieces pieces = split_into_manifold_pieces(soup_);
+    const CappedSoup closed = cap_boundary(pieces.soup);
+    const Shells shells = find_shells(closed.soup);
+    std::vector<double> own(shells.shells.size(), 0.0);
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f) own[shells.of_facet[f]] += 0.5 * norm(facet_normal_2a(soup_, f));
+    std::vector<char> sheet(own.size());
+    double sheet_area = 0;
+    for (std::size_t s = 0; s < own.size(); ++s) {
+      const Shell& shell = shells.shells[s];
+      const double roundness = isoperimetric_quotient(shell.area, shell.volume), caps = shell.area - own[s];
+      sheet[s] = roundness < kFlatRoundness || (roundness < kSheetRoundness && caps > kSheetCapShare * own[s]);
+      if (sheet[s]) sheet_area += own[s];
+    }
+    if (sheet_area == 0 || sheet_area > kFewSheets * area(soup_)) return;
+    std::vector<ComponentFate> fates;
+    for (const Shell& shell : shells.shells) fates.push_back(fate_of(shell, "lost", "a sheet without thickness"));
+    count_facets(shells, fates);
+    for (std::size_t s = 0; s < own.size(); ++s)
+      if (sheet[s]) dropped_.push_back(fates[s]);
+    remove_facets_of(shells, sheet, FacetFate::sheet);
   }
 
   void orient_facets() { soup_ = orient(soup_).soup; }
@@ -184,46 +209,27 @@ class Preparation {
       drop[s] = small || (options_.keep_largest && s != kept && !inside_kept);
       fates.push_back(fate_of(shells[s], "dropped", small ? "smaller than --min-component" : "not the largest component"));
     }
-    count_facets(result, fates);
+    count_facets(result.shells, fates);
     for (std::size_t s = 0; s < shells.size(); ++s)
       if (drop[s]) dropped_.push_back(fates[s]);
-    remove_shells(result, drop, FacetFate::dropped);
+    remove_facets_of(result.shells, drop, FacetFate::dropped);
+    cap(result);
   }
 
-  // Components that enclose nothing, if they are a small part: no solid has them, and they would only be in the way.
-  void leave_out_sheets(PreparedInput& result) {
-    const std::vector<Shell>& shells = result.shells.shells;
-    std::vector<char> flat(shells.size());
-    double flat_area = 0, all_area = 0;
-    for (std::size_t s = 0; s < shells.size(); ++s) {
-      flat[s] = isoperimetric_quotient(shells[s].area, shells[s].volume) < kFlatRoundness;
-      all_area += shells[s].area;
-      if (flat[s]) flat_area += shells[s].area;
-    }
-    if (flat_area > kFewSheets * all_area) return;
-    std::vector<ComponentFate> fates;
-    for (const Shell& shell : shells) fates.push_back(fate_of(shell, "lost", "a sheet without thickness"));
-    count_facets(result, fates);
-    for (std::size_t s = 0; s < shells.size(); ++s)
-      if (flat[s]) dropped_.push_back(fates[s]);
-    remove_shells(result, flat, FacetFate::sheet);
-  }
-
-  void remove_shells(PreparedInput& result, const std::vector<char>& drop, FacetFate fate) {
+  void remove_facets_of(const Shells& shells, const std::vector<char>& drop, FacetFate fate) {
     if (std::find(drop.begin(), drop.end(), 1) == drop.end()) return;
     for (std::size_t f = 0; f < soup_.facets.size(); ++f)
-      if (drop[result.shells.of_facet[f]]) removed_.emplace_back(source_[f], fate);
+      if (drop[shells.of_facet[f]]) removed_.emplace_back(source_[f], fate);
     TriangleSoup kept;
     std::vector<std::uint32_t> source;
     for (std::size_t f = 0; f < soup_.facets.size(); ++f)
-      if (!drop[result.shells.of_facet[f]]) {
+      if (!drop[shells.of_facet[f]]) {
         kept.facets.push_back(soup_.facets[f]);
         source.push_back(source_[f]);
       }
     kept.points = std::move(soup_.points);
     soup_ = weld(std::move(kept));
     source_ = std::move(source);
-    cap(result);
   }
 
   void find_overlaps(PreparedInput& result, const FacetPairs& intersecting) {
@@ -252,10 +258,10 @@ class Preparation {
   }
 
   // Facets of the input in each shell, and their area: caps are none of its.
-  void count_facets(const PreparedInput& result, std::vector<ComponentFate>& fates) const {
+  void count_facets(const Shells& shells, std::vector<ComponentFate>& fates) const {
     for (ComponentFate& fate : fates) fate.area = 0;
     for (std::size_t f = 0; f < soup_.facets.size(); ++f) {
-      ComponentFate& fate = fates[result.shells.of_facet[f]];
+      ComponentFate& fate = fates[shells.of_facet[f]];
       ++fate.facets;
       fate.area += 0.5 * norm(facet_normal_2a(soup_, f));
     }
@@ -274,7 +280,7 @@ class Preparation {
       else
         fates.push_back(fate_of(shell, "kept", ""));
     }
-    count_facets(result, fates);
+    count_facets(result.shells, fates);
     report_.components = std::move(fates);
     report_.components.insert(report_.components.end(), dropped_.begin(), dropped_.end());
     std::stable_sort(report_.components.begin(), report_.components.end(),

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
+#include <span>
 #include <utility>
 
 #include "burnish/core/union_find.h"
@@ -44,7 +46,8 @@ std::vector<std::uint32_t> first_copies(const TriangleSoup& soup, const std::vec
 class WallVote {
  public:
   WallVote(const TriangleSoup& soup, const std::vector<FacetKind>& kinds, const std::vector<std::uint32_t>& first)
-      : copied_(soup.facets.size(), 0), parts_(soup.facets.size()), kept_(soup.facets.size(), 0), none_(soup.facets.size(), 0) {
+      : copied_(soup.facets.size(), 0), parts_(soup.facets.size()), kept_(soup.facets.size(), 0), none_(soup.facets.size(), 0),
+        copies_(soup.facets.size(), 0), facing_(soup.facets.size(), 0) {
     for (std::uint32_t f = 0; f < first.size(); ++f)
       if (first[f] != f) copied_[f] = copied_[first[f]] = 1;
     const EdgeTable table(soup);
@@ -52,11 +55,16 @@ class WallVote {
     for (std::uint32_t f = 0; f < first.size(); ++f)
       if (first[f] != f) parts_.unite(f, first[f]);
     for (std::size_t e = 0; e < table.size(); ++e) count(table.uses(e), kinds, first);
+    for (std::uint32_t f = 0; f < first.size(); ++f) {
+      if (!copied_[f]) continue;
+      ++copies_[parts_.find(f)];
+      facing_[parts_.find(f)] += same_way(soup.facets[f], soup.facets[first[f]]) ? 1 : -1;
+    }
   }
 
   bool is_wall(std::uint32_t f) {
     const std::uint32_t part = parts_.find(f);
-    return copied_[f] && none_[part] < kept_[part];
+    return copied_[f] && none_[part] < kept_[part] && 2 * std::abs(facing_[part]) < copies_[part];
   }
 
  private:
@@ -86,9 +94,15 @@ class WallVote {
     kept_[part] += (single + firsts) % 2;
   }
 
+  static bool same_way(const Facet& f, Facet g) {
+    while (g[0] != f[0]) std::rotate(g.begin(), g.begin() + 1, g.end());
+    return f == g;
+  }
+
   std::vector<char> copied_;
   UnionFind parts_;
   std::vector<std::size_t> kept_, none_;
+  std::vector<long> copies_, facing_;  // facets of a part, and how many more of them face one way than the other
 };
 
 std::vector<FacetGroup> groups_of_kept(const std::vector<FacetGroup>& groups, const std::vector<char>& keep) {

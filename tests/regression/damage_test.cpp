@@ -80,16 +80,9 @@ long genus(const Defects& d) {
   return static_cast<long>(d.components) - euler / 2;
 }
 
-// All options are the defaults but for the memory, which bounds how fine a default cell gets, and so the time a run takes.
-CleanOptions nearly_default() {
-  CleanOptions options;
-  options.memory_bytes = std::uint64_t{48} << 20;
-  return options;
-}
-
 class Damage : public ::testing::Test {
  protected:
-  RepairReport run(const TriangleSoup& dirty, const CleanOptions& options = nearly_default()) {
+  RepairReport run(const TriangleSoup& dirty, const CleanOptions& options = {}) {
     CleanJob job;
     job.options = options;
     job.input = folder_.write("in.stl", dirty);
