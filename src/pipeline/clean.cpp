@@ -131,7 +131,7 @@ class Run {
     begin("repairing locally");
     const std::vector<Hole> holes = report_.holes;
     const bool fine = is_fine_as_it_is();
-    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, report_, progress_, why_not);
+    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, stores_float32(output.format()), report_, progress_, why_not);
     if (!solution) return false;
     begin("verifying");
     inspect_result(output.write_and_read_back(solution->soup));

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 #include "burnish/surface/local_repair.h"
 #include "burnish/surface/triangle_index.h"
@@ -16,6 +17,7 @@ namespace burnish {
 namespace {
 
 constexpr double kVolumeTolerance = 0.02;   // of the prepared input's volume
+constexpr double kMostEnclosingNothing = 0.05;  // of the area
 constexpr std::size_t kMostChanges = 1000;  // listed
 
 TriangleSoup picked(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
@@ -81,6 +83,43 @@ OneSidedDistance sum(const OneSidedDistance& p, double share_p, const OneSidedDi
           std::sqrt(p.rms * p.rms * share_p + q.rms * q.rms * share_q), p.samples + q.samples};
 }
 
+// What an exact union leaves out lies inside it, or encloses nothing: it is listed, and no solid has it. Only where much of
+// it encloses nothing, the facets may be meant otherwise.
+std::string objection_to_union(const std::vector<FarSample>& gone, const TriangleIndex& result, double area_before, RepairReport& report) {
+  double nothing = 0;
+  const std::vector<Loss> losses = gather_losses(gone, report.before.box.diagonal(), [&](const FarSample& sample) -> std::string {
+    if (result.winding_number(sample.at) > 0.5) return std::string(reason(FacetFate::absorbed));
+    nothing += sample.area;
+    return "encloses nothing";
+  });
+  report.losses.insert(report.losses.end(), losses.begin(), losses.end());
+  return nothing > kMostEnclosingNothing * area_before ? "too much of it encloses nothing" : "";
+}
+
+// Whether points all over the box are inside both or outside both, by winding numbers: up to a small share of them.
+bool is_same_solid(const PreparedInput& prepared, const TriangleSoup& result) {
+  constexpr std::size_t kPoints = 4096;
+  constexpr double kMostDisagreeing = 0.005;  // of the points that are inside
+  const TriangleIndex before(prepared.capped.soup), after(result);
+  const Box3 box = bounding_box(prepared.capped.soup);
+  std::vector<char> in(kPoints), out(kPoints);
+  parallel_for(kPoints, [&](std::size_t i) {
+    // The R3 sequence (Roberts 2018).
+    const double t = static_cast<double>(i) + 1;
+    const auto part = [t](double step) { return t * step - std::floor(t * step); };
+    const Vec3 e = box.extent();
+    const Vec3 p = box.lower + Vec3{part(0.8191725133961645) * e.x, part(0.6710436067037893) * e.y, part(0.5497004779019703) * e.z};
+    in[i] = before.winding_number(p) > 0.5;
+    out[i] = after.winding_number(p) > 0.5;
+  }, 64);
+  std::size_t inside = 0, differ = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    inside += in[i] || out[i];
+    differ += in[i] != out[i];
+  }
+  return static_cast<double>(differ) <= std::max(2.0, kMostDisagreeing * static_cast<double>(inside));
+}
+
 // The places where facets changed: sets of removed and added facets that share points.
 std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, const TriangleSoup& result) {
   TriangleSoup both;
@@ -134,19 +173,15 @@ std::string reason_against_local(const CleanOptions& options) {
 }
 
 LocalSolution unchanged(const TriangleSoup& welded) {
-  LocalSolution solution{welded, std::vector<std::uint32_t>(welded.facets.size()), std::vector<char>(welded.facets.size(), 0)};
+  LocalSolution solution{welded, std::vector<std::uint32_t>(welded.facets.size()), std::vector<char>(welded.facets.size(), 0), false};
   std::iota(solution.source.begin(), solution.source.end(), 0u);
   return solution;
 }
 
-std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal) {
-  if (prepared.bodies_overlap) {
-    refusal = "bodies overlap: their union is needed";
-    return std::nullopt;
-  }
+std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, bool float32, RepairReport& report, Progress& progress, std::string& refusal) {
   const std::vector<std::uint32_t> used = facets_in_use(prepared);
   LocalRepairResult repaired =
-      repair_locally(picked(prepared.oriented, used), {.max_hole = report.options.max_hole}, progress);
+      repair_locally(picked(prepared.oriented, used), {.max_hole = report.options.max_hole, .float32 = float32}, progress);
   if (!repaired.refusal.empty()) {
     refusal = repaired.refusal;
     return std::nullopt;
@@ -157,7 +192,7 @@ std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const Pre
   actions.largest_split = repaired.largest_split;
   actions.intersecting_pairs_removed = repaired.intersecting_pairs_removed;
   report.holes = std::move(repaired.holes);
-  LocalSolution solution{std::move(repaired.soup), std::move(repaired.source), std::move(repaired.fills_hole)};
+  LocalSolution solution{std::move(repaired.soup), std::move(repaired.source), std::move(repaired.fills_hole), repaired.facets_cut > 0};
   // Joining points has moved some before they came here.
   for (std::size_t f = 0; f < solution.source.size(); ++f) {
     std::uint32_t& source = solution.source[f];
@@ -179,12 +214,15 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
   std::string objection;
   if (gone > 0) {
     const TriangleIndex index(result);
-    const OneSidedDistance lost = one_sided_distance(picked(welded, d.removed), index);
-    std::vector<FarSample> far;
+    std::vector<FarSample> far, gone_far;
+    const OneSidedDistance lost = one_sided_distance(picked(welded, d.removed), index, {.far_beyond = tolerance}, &gone_far);
     const OneSidedDistance left = one_sided_distance(picked(welded, d.left_out), index, {.far_beyond = tolerance}, &far);
     report.deviation.input_to_output = sum(lost, area_of(welded, d.removed) / before, left, area_of(welded, d.left_out) / before);
     report.losses = gather_losses(far, report.before.box.diagonal(), [&](const FarSample& sample) { return std::string(reason(prepared.fates[d.left_out[sample.facet]])); });
-    if (lost.max > tolerance) objection = fmt::format("{:.3g} away from the result something of the input would be lost", lost.max);
+    if (solution.united)
+      objection = objection_to_union(gone_far, index, before, report);
+    else if (lost.max > tolerance)
+      objection = fmt::format("{:.3g} away from the result something of the input would be lost", lost.max);
   }
   const std::vector<std::uint32_t>& added = d.added;
   if (added.size() + d.filling.size() > 0) {
@@ -195,8 +233,9 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
     report.deviation.output_to_input = sum(moved, area_of(result, added) / after, filled, area_of(result, d.filling) / after);
   }
   report.changes = changes_of(d, welded, result);
+  if (objection.empty() && solution.united && !is_same_solid(prepared, result)) objection = "it would not be the solid that the facets enclose";
   const double volume = expected_volume(prepared);
-  if (objection.empty() && !report.is_sheet && !(std::abs(report.after.volume - volume) <= kVolumeTolerance * std::abs(volume)))
+  if (objection.empty() && !solution.united && !report.is_sheet && !(std::abs(report.after.volume - volume) <= kVolumeTolerance * std::abs(volume)))
     objection = fmt::format("its volume of {:.6g} would not be the {:.6g} that the facets enclose", report.after.volume, volume);
   return objection;
 }

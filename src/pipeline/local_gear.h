@@ -19,14 +19,15 @@ struct LocalSolution {
   TriangleSoup soup;                  // welded
   std::vector<std::uint32_t> source;  // facet of the welded input with the same points, or kNoFacet
   std::vector<char> fills_hole;
+  bool united = false;                // bodies that overlapped were united: what lies inside is gone
 };
 
 // Why these options rule the local gear out, or empty.
 std::string reason_against_local(const CleanOptions& options);
 
 // Mends the prepared input. Empty, with the reason in `refusal`, if that is not a matter of single facets.
-// Fills in the local gear's lines of report.actions, and report.holes.
-std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, RepairReport& report, Progress& progress, std::string& refusal);
+// `float32`: the file will be rounded to it. Fills in the local gear's lines of report.actions, and report.holes.
+std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, bool float32, RepairReport& report, Progress& progress, std::string& refusal);
 // The solution for an input that is valid as it is.
 LocalSolution unchanged(const TriangleSoup& welded);
 

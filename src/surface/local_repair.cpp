@@ -19,9 +19,11 @@
 #include <set>
 
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/facet_filter.h"
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/manifold.h"
 #include "burnish/surface/shells.h"
+#include "burnish/surface/solid_union.h"
 #include "burnish/surface/weld.h"
 #include "exact_predicates.h"
 #include "point_table.h"
@@ -35,6 +37,8 @@ using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using FaceIndex = Mesh::Face_index;
 using HalfedgeIndex = Mesh::Halfedge_index;
 
+constexpr int kUnionRounds = 5;
+constexpr std::size_t kMostPairs = 200'000;   // of facets that intersect: more is no matter of single facets
 constexpr double kMostIntersecting = 0.05;   // of the facets: beyond this too little is left to hold on to
 constexpr std::size_t kFewIntersecting = 64; // facets that may intersect in any case
 constexpr double kMostTangled = 0.02;        // of the facets may be left out because no manifold has them
@@ -67,16 +71,21 @@ class LocalRepairer {
   LocalRepairer(const TriangleSoup& input, const LocalRepairOptions& options, Progress& progress)
       : input_(input), options_(options), progress_(progress) {}
 
-  LocalRepairResult repair() {
+  // Everything up to intersections.
+  LocalRepairResult mend() {
     build_mesh();
     remove_needles();
     separate_coincident_points();
     fill_holes();
     remove_needles();
     progress_.check();
+    return result();
+  }
+
+  LocalRepairResult mend_and_cut_out() {
+    mend();
     remove_self_intersections();
-    export_soup();
-    return std::move(result_);
+    return result();
   }
 
  private:
@@ -347,13 +356,15 @@ class LocalRepairer {
 
   // --- the result
 
-  void export_soup() {
+  LocalRepairResult result() {
+    LocalRepairResult copy = result_;
     Exported now = exported();
     for (std::size_t f = 0; f < now.faces.size(); ++f) {
-      result_.source.push_back(restore(now.soup, f, source_[now.faces[f]]));
-      result_.fills_hole.push_back(fills_[now.faces[f]]);
+      copy.source.push_back(restore(now.soup, f, source_[now.faces[f]]));
+      copy.fills_hole.push_back(fills_[now.faces[f]]);
     }
-    result_.soup = weld(std::move(now.soup));
+    copy.soup = weld(std::move(now.soup));
+    return copy;
   }
 
   // Turns facet f to begin where its source does. Returns the source, or kNoFacet if their points are not the same.
@@ -380,10 +391,100 @@ class LocalRepairer {
 
 }  // namespace
 
+namespace {
+
+bool is_closed(const TriangleSoup& soup) {
+  const EdgeTable table(soup);
+  for (std::size_t e = 0; e < table.size(); ++e)
+    if (table.is_open(e)) return false;
+  return true;
+}
+
+// What goes from step to step: the soup so far, and what its facets are to the input.
+struct Progressed {
+  LocalRepairResult result;
+  std::size_t pairs = 0;  // found so far
+
+  // Takes a step whose sources are facets of the soup so far.
+  void take(LocalRepairResult step) {
+    for (std::size_t f = 0; f < step.source.size(); ++f) {
+      std::uint32_t& source = step.source[f];
+      if (source == kNoFacet) continue;
+      step.fills_hole[f] = result.fills_hole[source];
+      source = result.source[source];
+    }
+    step.holes.insert(step.holes.begin(), result.holes.begin(), result.holes.end());
+    step.needles_flipped += result.needles_flipped;
+    step.points_split += result.points_split;
+    step.largest_split = std::max(step.largest_split, result.largest_split);
+    step.tangled_removed += result.tangled_removed;
+    step.facets_cut += result.facets_cut;
+    result = std::move(step);
+  }
+
+  // Rounds the points that are not the input's. What becomes a line or a point that way is left out.
+  void round_new_points(const PointTable& known) {
+    bool moved = false;
+    for (Vec3& p : result.soup.points) {
+      const Vec3 r{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+      if (r == p || known.find(p) != PointTable::kFree) continue;
+      p = r;
+      moved = true;
+    }
+    if (!moved) return;
+    FilteredFacets kept = filter_facets(weld(std::move(result.soup)), true);
+    for (std::uint32_t f = 0; f < kept.source.size(); ++f) {
+      result.source[f] = result.source[kept.source[f]];
+      result.fills_hole[f] = result.fills_hole[kept.source[f]];
+    }
+    result.source.resize(kept.source.size());
+    result.fills_hole.resize(kept.source.size());
+    result.soup = std::move(kept.soup);
+  }
+};
+
+PointTable points_of(const TriangleSoup& soup) {
+  PointTable table(soup.points.size());
+  for (const Vec3& p : soup.points) table.insert(p);
+  return table;
+}
+
+// Unites what overlaps until nothing intersects: rounding can make facets meet that did not. Where that does not end, or the
+// surface is open, what intersects is cut out.
+LocalRepairResult repair(const TriangleSoup& oriented, const LocalRepairOptions& options, Progress& progress) {
+  const PointTable known = points_of(oriented);
+  Progressed state{LocalRepairer(oriented, options, progress).mend()};
+  for (int round = 0;; ++round) {
+    if (options.float32) state.round_new_points(known);
+    const Pairs pairs = self_intersecting_pairs(state.result.soup, progress);
+    if (pairs.empty() && round == 0) return std::move(state.result);
+    if (pairs.empty()) break;
+    if (round == 0) state.pairs = pairs.size();
+    if (pairs.size() > kMostPairs) throw Refusal{fmt::format("{} pairs of facets intersect", pairs.size())};
+    if (round == kUnionRounds || !is_closed(state.result.soup)) {
+      state.take(LocalRepairer(state.result.soup, options, progress).mend_and_cut_out());
+      break;
+    }
+    const SolidUnion united = unite(state.result.soup, pairs, progress);
+    LocalRepairResult step;
+    step.soup = united.soup;
+    step.source = united.source;
+    step.fills_hole.assign(step.source.size(), 0);
+    step.facets_cut = united.facets_cut;
+    state.take(std::move(step));
+    if (options.float32) state.round_new_points(known);
+    state.take(LocalRepairer(state.result.soup, options, progress).mend());
+  }
+  state.result.intersecting_pairs_removed = state.pairs;
+  return std::move(state.result);
+}
+
+}  // namespace
+
 LocalRepairResult repair_locally(const TriangleSoup& oriented, const LocalRepairOptions& options, Progress& progress) {
   LocalRepairResult refused;
   try {
-    return LocalRepairer(oriented, options, progress).repair();
+    return repair(oriented, options, progress);
   } catch (const Refusal& refusal) {
     refused.refusal = refusal.why;
   } catch (const CGAL::Failure_exception&) {

@@ -2,11 +2,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 #include "burnish/surface/edge_table.h"
+#include "ray_winding.h"
 
 namespace burnish {
 namespace {
@@ -77,69 +77,6 @@ std::vector<Sample> choose_samples(const TriangleSoup& soup, const Shells& shell
   return samples;
 }
 
-// The samples filed by columns of a grid over x and y.
-class SampleGrid {
- public:
-  explicit SampleGrid(const std::vector<Sample>& samples) {
-    Box3 box;
-    for (const Sample& s : samples) box.extend(s.at);
-    side_ = std::clamp<std::size_t>(static_cast<std::size_t>(std::sqrt(static_cast<double>(samples.size()))), 1, 256);
-    lower_ = box.lower;
-    const Vec3 e = box.extent();
-    per_x_ = e.x > 0 ? static_cast<double>(side_) / e.x : 0;
-    per_y_ = e.y > 0 ? static_cast<double>(side_) / e.y : 0;
-    first_.assign(side_ * side_ + 1, 0);
-    for (const Sample& s : samples) ++first_[column(s.at)];
-    filed_.resize(exclusive_scan_in_place(first_));
-    std::vector<std::uint32_t> next = first_;
-    for (std::uint32_t i = 0; i < samples.size(); ++i) filed_[next[column(samples[i].at)]++] = i;
-  }
-
-  // Calls visit(sample) for every sample whose column meets the box.
-  template <class Visit>
-  void for_each_in(const Box3& box, Visit&& visit) const {
-    const std::size_t x0 = along_x(box.lower.x), x1 = along_x(box.upper.x);
-    const std::size_t y0 = along_y(box.lower.y), y1 = along_y(box.upper.y);
-    for (std::size_t y = y0; y <= y1; ++y)
-      for (std::uint32_t i = first_[x0 + side_ * y]; i < first_[x1 + side_ * y + 1]; ++i) visit(filed_[i]);
-  }
-
- private:
-  std::size_t along(double offset, double per) const {
-    return static_cast<std::size_t>(std::clamp(offset * per, 0.0, static_cast<double>(side_ - 1)));
-  }
-  std::size_t along_x(double x) const { return along(x - lower_.x, per_x_); }
-  std::size_t along_y(double y) const { return along(y - lower_.y, per_y_); }
-  std::size_t column(const Vec3& p) const { return along_x(p.x) + side_ * along_y(p.y); }
-
-  Vec3 lower_;
-  double per_x_ = 0, per_y_ = 0;
-  std::size_t side_ = 1;
-  std::vector<std::uint32_t> first_, filed_;
-};
-
-// +1 or -1 if the vertical line through p passes the facet's projection, counter-clockwise or clockwise; else 0.
-// An edge gives the same answer to both its facets: its ends are taken in one order, lower y first. [T-SHELL-1]
-int projected_winding(const std::array<Vec3, 3>& corners, const Vec3& p) {
-  int winding = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const Vec3 &u = corners[i], &v = corners[(i + 1) % 3];
-    const bool up = u.y <= p.y && v.y > p.y, down = v.y <= p.y && u.y > p.y;
-    if (!up && !down) continue;
-    const Vec3 &low = up ? u : v, &high = up ? v : u;
-    const double x = low.x + (p.y - low.y) / (high.y - low.y) * (high.x - low.x);
-    if (x > p.x) winding += up ? 1 : -1;
-  }
-  return winding;
-}
-
-double height_at(const std::array<Vec3, 3>& c, const Vec3& p) {
-  const Vec3 n = cross(c[1] - c[0], c[2] - c[0]);
-  const double low = std::min({c[0].z, c[1].z, c[2].z}), high = std::max({c[0].z, c[1].z, c[2].z});
-  if (n.z == 0) return low;
-  return std::clamp(c[0].z - (n.x * (p.x - c[0].x) + n.y * (p.y - c[0].y)) / n.z, low, high);
-}
-
 // One crossing of a sample's upward ray with a closed shell.
 struct Crossing {
   std::uint32_t sample, shell;
@@ -150,7 +87,9 @@ struct Crossing {
 };
 
 std::vector<Crossing> cross_rays(const TriangleSoup& soup, const Shells& shells, const std::vector<Sample>& samples) {
-  const SampleGrid grid(samples);
+  std::vector<Vec3> points;
+  for (const Sample& s : samples) points.push_back(s.at);
+  const PointColumns columns(points);
   std::vector<std::vector<Crossing>> parts((soup.facets.size() + kGrain - 1) / kGrain);
   parallel_ranges(soup.facets.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     for (std::size_t f = begin; f < end; ++f) {
@@ -159,11 +98,10 @@ std::vector<Crossing> cross_rays(const TriangleSoup& soup, const Shells& shells,
       const std::array<Vec3, 3> corners{soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2)};
       Box3 box;
       for (const Vec3& c : corners) box.extend(c);
-      grid.for_each_in(box, [&](std::uint32_t i) {
-        const Sample& sample = samples[i];
-        if (sample.shell == shell || box.upper.z < sample.at.z) return;
-        const int sign = projected_winding(corners, sample.at);
-        if (sign != 0 && height_at(corners, sample.at) > sample.at.z) parts[begin / kGrain].push_back({i, shell, sign});
+      columns.for_each_in(box, [&](std::uint32_t i) {
+        if (samples[i].shell == shell || box.upper.z < samples[i].at.z) return;
+        const int sign = passes(corners, samples[i].at);
+        if (sign != 0) parts[begin / kGrain].push_back({i, shell, sign});
       });
     }
   });

@@ -146,7 +146,7 @@ class Evaluate(unittest.TestCase):
         _, text, results = self.evaluate(("loses", "solid", ""), ("admits", "solid", ""))
         self.assertIn("MISSED within 1.5 cells of their input, or lost parts listed: 1 of 2", text)
         self.assertIn("loses: none listed, and yet up to 4.5 cells", text)
-        self.assertIn("admits: 1 listed, 0.2 % of the area: thin", text)
+        self.assertIn("admits: 1 listed, 0.2 % of the area lost, 0 % inside the solid: thin", text)
         self.assertIn("met    area of listed parts, mean over the solids, < 0.5 %: 0.100 %", text)
 
     def test_listed_losses_are_bounded(self):

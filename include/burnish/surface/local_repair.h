@@ -1,13 +1,13 @@
 // Local repair: mends a soup where it is broken and leaves every other facet as it is, bit for bit.
 //
 // Steps, each only where it is needed: facets are paired across edges (at an edge with more than two facets by
-// angle, so that bodies that touch come apart), points that several fans share are doubled, needles are flipped
-// away, holes are filled, facets that intersect are cut out and filled anew, and points that still coincide are
-// moved apart. CGAL's polygon mesh processing does the mending; nothing here promises that the result is a valid
+// angle, so that bodies that touch come apart), points that several fans share are doubled and moved apart, needles are
+// flipped away, holes are filled, and facets that intersect are cut along each other, so that the union of what they
+// bound remains (surface/solid_union.h); what still intersects is cut out and filled anew. CGAL's polygon mesh processing does the mending; nothing here promises that the result is a valid
 // solid: `inspect` the file that was written.
 //
-// What local repair is not made for it refuses, with a reason: overlapping bodies (their union is a different
-// surface), one-sided surfaces, and damage to more than a small part of the facets.
+// What local repair is not made for it refuses, with a reason: one-sided surfaces, sheets that intersect themselves in many
+// places, and tangles that cutting does not resolve.
 #pragma once
 
 #include <cstdint>
@@ -24,6 +24,8 @@ namespace burnish {
 struct LocalRepairOptions {
   // Openings wider than this stay open. Unset: all are filled.
   std::optional<double> max_hole;
+  // New points are rounded to float32, as the file will have them: what that breaks is mended here.
+  bool float32 = false;
 };
 
 struct LocalRepairResult {
@@ -37,6 +39,7 @@ struct LocalRepairResult {
   double largest_split = 0;               // how far such a copy was moved
   std::size_t intersecting_pairs_removed = 0;
   std::size_t tangled_removed = 0;        // facets at edges that no two-sided surface has
+  std::size_t facets_cut = 0;             // that met others, where bodies were united
   std::string refusal;                    // empty: done; else why local repair cannot do it
 };
 
