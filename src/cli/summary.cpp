@@ -140,6 +140,8 @@ std::string actions_details(const RepairActions& a) {
   line("ambiguous regions", a.ambiguous_regions);
   line("interior facets ignored", a.interior_facets_ignored);
   line("components lost", a.components_lost);
+  line("small pieces left out", a.debris_dropped);
+  line("facets cut", a.facets_cut);
   line("needles flipped away", a.needles_flipped);
   line("points split", a.points_split);
   line("intersecting pairs removed", a.intersecting_pairs_removed);
@@ -209,7 +211,7 @@ std::string clean_summary(const RepairReport& report, double wall_seconds, bool 
   std::string text = fmt::format("{} -> {}\n\n", report.input, report.output);
   text += defects_table(report, has_after);
   text += '\n';
-  if (report.deviation.input_to_output.samples > 0) {
+  if (report.deviation.input_to_output.samples + report.deviation.output_to_input.samples > 0) {
     const double diagonal = report.before.box.diagonal();
     text += deviation_line("input -> output", report.deviation.input_to_output, diagonal);
     text += deviation_line("output -> input", report.deviation.output_to_input, diagonal);

@@ -23,7 +23,7 @@ constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
 constexpr double kLargeCaps = 0.1;          // of the input's area: caps beyond this are worth a warning
 constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
 constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
-constexpr double kRecentreSteps = 0x1p-12;  // of the coordinates' size: what it is moved by is a multiple of that
+constexpr double kRecentreSteps = 0x1p-22;  // of the coordinates' size: what it is moved by is a multiple of that
 
 // One run: the stages write into the report as they go.
 class Run {
@@ -141,13 +141,14 @@ class Run {
       return false;
     }
     begin("measuring");
-    const double tolerance = kLocalTolerance * report_.before.box.diagonal();
+    const double tolerance = std::max(kLocalTolerance * report_.before.box.diagonal(), report_.options.gap.value_or(0));
     why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
     if (!why_not.empty()) return false;
     warn_of_losses({});
     sources_ = std::move(solution->source);
     report_.method = name(Method::local);
-    report_.method_reason = fine ? "the input is valid as it is" : "what is broken could be mended where it is, and nothing is lost";
+    report_.method_reason = fine ? "the input is valid as it is" : report_.losses.empty() ? "what is broken could be mended where it is, and nothing is lost"
+                                                                                        : "what is broken could be mended where it is";
     return true;
   }
 
@@ -165,7 +166,7 @@ class Run {
   // What a local repair that was not taken has left in the report.
   void forget_attempt() {
     RepairActions& a = report_.actions;
-    a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_removed = a.facets_added = 0;
+    a.facets_cut = a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_removed = a.facets_added = 0;
     a.largest_split = 0;
     report_.changes.clear();
     report_.losses.clear();
@@ -195,7 +196,12 @@ class Run {
     CleanedOutput::Finish finish;
     if (report_.options.max_hole && !job_.options.thicken)
       finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, *report_.options.max_hole); };
-    report_.after = output.write_verified(level_set, finish, progress_).defects;
+    const auto sift = [&](TriangleSoup& surface) {
+      report_.actions.debris_dropped = leave_out_debris(surface, prepared_, level_set.frame);
+    };
+    report_.after = output.write_verified(level_set, sift, finish, progress_).defects;
+    if (report_.actions.debris_dropped > 0)
+      report_.warnings.push_back(fmt::format("{} small pieces that stand for no component of the input were left out", report_.actions.debris_dropped));
     judge_result();
     if (!report_.verified || output.float_steps_too_coarse()) {
       report_.verified = false;
@@ -239,13 +245,13 @@ class Run {
 
   void warn_of_losses(const MissingComponents& missing) {
     report_.actions.area_lost = 0;
-    for (const Loss& loss : report_.losses) report_.actions.area_lost += loss.reason == "inside the solid" ? 0 : loss.area;
+    for (const Loss& loss : report_.losses) report_.actions.area_lost += loss.reason == reason(FacetFate::absorbed) ? 0 : loss.area;
     if (missing.count > 0)
       report_.warnings.push_back(fmt::format(
           "{} of the input's components ({:.3g} of area) are not in the result, being thinner than a cell or smaller than the smoothing "
           "length; the largest is at ({:.6g}, {:.6g}, {:.6g})",
           missing.count, missing.area, missing.largest_at.x, missing.largest_at.y, missing.largest_at.z));
-    const auto worst = std::find_if(report_.losses.begin(), report_.losses.end(), [](const Loss& l) { return l.reason != "inside the solid"; });
+    const auto worst = std::find_if(report_.losses.begin(), report_.losses.end(), [](const Loss& l) { return l.reason != reason(FacetFate::absorbed) && l.area > 0; });
     if (worst != report_.losses.end())
       report_.warnings.push_back(fmt::format("parts of the input with {:.3g} of area are not in the result; the largest is at ({:.6g}, {:.6g}, {:.6g}): {}",
                                              report_.actions.area_lost, worst->position.x, worst->position.y, worst->position.z, worst->reason));

@@ -73,11 +73,12 @@ const TriangleSoup& CleanedOutput::write_and_read_back(const TriangleSoup& soup)
   return result_;
 }
 
-Inspection CleanedOutput::write_verified(const LevelSet& level_set, const Finish& finish, Progress& progress) {
+Inspection CleanedOutput::write_verified(const LevelSet& level_set, const Sift& sift, const Finish& finish, Progress& progress) {
   // [T-MT-5]
   PlainNodes plain;
   for (int round = 0;; ++round) {
     ExtractedSurface surface = extract_surface(level_set, {.snap = true, .plain = round ? &plain : nullptr}, progress);
+    sift(surface.soup);
     if (surface.soup.facets.empty()) return {};
     TriangleSoup model = surface.soup;
     parallel_for(model.points.size(), [&](std::size_t i) { model.points[i] = level_set.frame.to_model(model.points[i]); });

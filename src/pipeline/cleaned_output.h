@@ -27,10 +27,13 @@ class CleanedOutput {
   // What is done to a surface in model coordinates before it is written.
   using Finish = std::function<TriangleSoup(TriangleSoup)>;
 
-  // Extracts the surface, finishes it, writes it to the temporary, reads it back, welds and inspects it. What rounding
+  // What is done to the extracted surface, in lattice coordinates: facets may go.
+  using Sift = std::function<void(TriangleSoup&)>;
+
+  // Extracts the surface, sifts it, finishes it, writes it to the temporary, reads it back, welds and inspects it. What rounding
   // to the file's precision broke is extracted anew with plainer facets and written again, a few times (not if `finish`
   // changes facets). Returns the last inspection of the file as it stands.
-  Inspection write_verified(const LevelSet& level_set, const Finish& finish, Progress& progress);
+  Inspection write_verified(const LevelSet& level_set, const Sift& sift, const Finish& finish, Progress& progress);
 
   // Writes the surface to the temporary and reads it back, welded.
   const TriangleSoup& write_and_read_back(const TriangleSoup& soup);

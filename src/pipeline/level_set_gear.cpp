@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 #include "burnish/core/parallel.h"
 #include "burnish/extract/trim.h"
@@ -17,6 +18,9 @@ namespace {
 
 constexpr double kSheetMargin = 0.02;     // of the diagonal: how far a sheet goes on beyond its rim, at least
 constexpr double kNegligibleArea = 1e-4;  // of the input's: unresolved details beyond this are worth a warning
+constexpr double kDebrisShare = 1e-3;     // of the largest piece's volume: smaller ones need a component to stand for
+constexpr std::size_t kVotesPerComponent = 64;
+constexpr double kVoteReach = 3;          // cells
 constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
 constexpr double kUnsmoothedBand = 3;     // cells of exact distances around the surface
 constexpr double kDomainMargin = 11;      // cells between the band and the walls
@@ -58,6 +62,28 @@ void tell_unresolved(const LevelSetFromTriangles& built, RepairReport& report) {
         fmt::format("{} facets ({:.3g} of area) bound sheets or walls thinner than a cell of {:.4g} and are not in the result; "
                     "choose a smaller --cell if they matter",
                     built.unresolved_facets, report.actions.unresolved_area, cell));
+}
+
+// For each component of the input the piece that most of its facets are closest to, of those they are close to at all.
+std::vector<std::uint32_t> pieces_of_components(const TriangleSoup& surface, const Shells& pieces, const PreparedInput& prepared,
+                                                const GridFrame& frame) {
+  const TriangleIndex index(surface);
+  const std::size_t components = prepared.shells.shells.size();
+  std::vector<std::map<std::uint32_t, std::size_t>> votes(components);
+  std::vector<std::size_t> seen(components, 0);
+  for (std::size_t f = 0; f < prepared.oriented.facets.size(); ++f) {
+    const std::uint32_t c = prepared.shells.of_facet[f];
+    if (seen[c]++ % std::max<std::size_t>(1, prepared.shells.shells[c].facets / kVotesPerComponent) != 0) continue;
+    const TriangleSoup& soup = prepared.oriented;
+    const Vec3 at = frame.to_lattice((soup.corner(f, 0) + soup.corner(f, 1) + soup.corner(f, 2)) / 3.0);
+    const auto closest = index.closest(at, kVoteReach * kVoteReach);
+    if (closest.facet != kNoFacet) ++votes[c][pieces.of_facet[closest.facet]];
+  }
+  std::vector<std::uint32_t> chosen;
+  const auto fewer = [](const auto& a, const auto& b) { return a.second < b.second; };
+  for (const auto& vote : votes)
+    if (!vote.empty()) chosen.push_back(std::max_element(vote.begin(), vote.end(), fewer)->first);
+  return chosen;
 }
 
 }  // namespace
@@ -120,6 +146,22 @@ void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progr
     report.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,
                                           options.deviation ? "the bound on the deviation did not let it be restored"
                                                             : "the smoothing length is too large for this model"));
+}
+
+std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {
+  const Shells pieces = find_shells(surface);
+  if (pieces.shells.size() <= prepared.shells.shells.size()) return 0;
+  double largest = 0;
+  for (const Shell& piece : pieces.shells) largest = std::max(largest, std::abs(piece.volume));
+  std::vector<char> debris(pieces.shells.size());
+  for (std::size_t s = 0; s < debris.size(); ++s) debris[s] = std::abs(pieces.shells[s].volume) < kDebrisShare * largest;
+  if (std::find(debris.begin(), debris.end(), 1) == debris.end()) return 0;
+  for (const std::uint32_t piece : pieces_of_components(surface, pieces, prepared, frame)) debris[piece] = 0;
+  std::vector<Facet> kept;
+  for (std::size_t f = 0; f < surface.facets.size(); ++f)
+    if (!debris[pieces.of_facet[f]]) kept.push_back(surface.facets[f]);
+  surface.facets = std::move(kept);
+  return static_cast<std::size_t>(std::count(debris.begin(), debris.end(), 1));
 }
 
 TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, double max_hole) {

@@ -26,6 +26,10 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& repor
 // Smooths as report.options say; tells report.smoothing and report.warnings.
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
 
+// Leaves out debris: small pieces of the extracted surface (lattice coordinates) that stand for no component of the
+// input. Returns how many. A component of the input keeps its piece, however small. [T-DEBRIS-1]
+std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame);
+
 // The surface (in model units, welded) without what closes the openings that are to stay. [T-TRIM-1]
 TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, double max_hole);
 

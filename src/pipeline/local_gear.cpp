@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kVolumeTolerance = 0.02;   // of the prepared input's volume
 constexpr double kMostEnclosingNothing = 0.05;  // of the area
+constexpr double kFillingDiffers = 0.25;    // of the width of a hole: how far apart two fillings may be
 constexpr std::size_t kMostChanges = 1000;  // listed
 
 TriangleSoup picked(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
@@ -39,6 +40,14 @@ double expected_volume(const PreparedInput& prepared) {
   double volume = 0;
   for (std::size_t s = 0; s < prepared.shells.shells.size(); ++s)
     if (!prepared.absorbed[s]) volume += prepared.shells.shells[s].volume;
+  return volume;
+}
+
+// By how much ways to fill holes may differ: each by a part of the filling's width.
+double volume_of_fillings(const std::vector<Hole>& holes) {
+  double volume = 0;
+  for (const Hole& hole : holes)
+    if (hole.filled) volume += kFillingDiffers * hole.area * hole.width();
   return volume;
 }
 
@@ -187,6 +196,7 @@ std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const Pre
     return std::nullopt;
   }
   RepairActions& actions = report.actions;
+  actions.facets_cut = repaired.facets_cut;
   actions.needles_flipped = repaired.needles_flipped;
   actions.points_split = repaired.points_split;
   actions.largest_split = repaired.largest_split;
@@ -234,8 +244,8 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
   }
   report.changes = changes_of(d, welded, result);
   if (objection.empty() && solution.united && !is_same_solid(prepared, result)) objection = "it would not be the solid that the facets enclose";
-  const double volume = expected_volume(prepared);
-  if (objection.empty() && !solution.united && !report.is_sheet && !(std::abs(report.after.volume - volume) <= kVolumeTolerance * std::abs(volume)))
+  const double volume = expected_volume(prepared), allowed = kVolumeTolerance * std::abs(volume) + volume_of_fillings(report.holes);
+  if (objection.empty() && !solution.united && !report.is_sheet && !(std::abs(report.after.volume - volume) <= allowed))
     objection = fmt::format("its volume of {:.6g} would not be the {:.6g} that the facets enclose", report.after.volume, volume);
   return objection;
 }

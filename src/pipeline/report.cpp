@@ -87,6 +87,8 @@ Json json_of(const RepairActions& a) {
       {"unresolved_area", a.unresolved_area},
       {"components_lost", a.components_lost},
       {"area_lost", a.area_lost},
+      {"debris_dropped", a.debris_dropped},
+      {"facets_cut", a.facets_cut},
       {"needles_flipped", a.needles_flipped},
       {"points_split", a.points_split},
       {"largest_split", a.largest_split},

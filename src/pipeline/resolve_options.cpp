@@ -130,7 +130,7 @@ void resolve_cell(const CleanOptions& asked, const TriangleSoup& prepared, Resol
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
     double wanted = default_cell(prepared, diagonal, asked.smooth);
-    if (resolved.thicken) wanted = std::min(wanted, *resolved.thicken / kCellsAcrossShell);
+    if (resolved.thicken) wanted = std::max(std::min(wanted, *resolved.thicken / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
     resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));
@@ -144,6 +144,11 @@ void resolve_cell(const CleanOptions& asked, const TriangleSoup& prepared, Resol
                               static_cast<double>(asked.memory_bytes) * 0x1p-30),
                   fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked.memory_bytes, prepared, resolved.cell, band)));
   }
+  if (resolved.thicken && *resolved.thicken < kCellsPerWall * resolved.cell)
+    throw Error(ErrorCode::guarantee_unmet,
+                fmt::format("a shell of thickness {:.4g} needs cells of {:.4g} or less; the cell is {:.4g}", *resolved.thicken,
+                            *resolved.thicken / kCellsPerWall, resolved.cell),
+                fmt::format("make it thicker, or give the cell: --cell {:.4g}", *resolved.thicken / kCellsAcrossShell));
   resolved.cells_along_longest_side = box.longest_side() / resolved.cell;
   resolved.smooth = asked.smooth.in_model_units(diagonal, resolved.cell);
   if (asked.deviation) resolved.deviation = asked.deviation->in_model_units(diagonal, resolved.cell);

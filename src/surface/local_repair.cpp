@@ -46,6 +46,7 @@ constexpr int kUntanglingRounds = 4;
 constexpr int kRemovalRounds = 4;            // each grows the part that is cut out by a ring of facets
 constexpr int kRings = 3;                    // of facets around those that intersect, which the removal may use
 constexpr std::size_t kFairedLoop = 12;      // edges: longer loops that are not flat get a faired membrane
+constexpr std::size_t kCubicLoop = 500;      // edges: up to that the search for the best filling may take cubic time
 constexpr double kFlat = 0.01;               // of its size: how far a loop may leave its plane to be flat
 constexpr double kSplitShare = 1e-3;         // of its fan's shortest edge: how far a doubled point is moved
 constexpr double kSplitFloatSteps = 16;      // and at least: steps of float32 at its coordinates
@@ -201,7 +202,7 @@ class LocalRepairer {
   // by the triangulation of least weight, long ones by a membrane (fairing without a condition on the tangents).
   double fill(HalfedgeIndex loop, const Hole& hole) {
     std::vector<FaceIndex> faces;
-    const auto fast = CGAL::parameters::use_delaunay_triangulation(true).do_not_use_cubic_algorithm(hole.edges > 200);
+    const auto fast = CGAL::parameters::use_delaunay_triangulation(true).do_not_use_cubic_algorithm(hole.edges > kCubicLoop);
     if (is_flat(loop))
       pmp::triangulate_hole(mesh_, loop, std::back_inserter(faces), fast.use_2d_constrained_delaunay_triangulation(true));
     if (faces.empty() && hole.edges > kFairedLoop) {
@@ -410,7 +411,7 @@ struct Progressed {
     for (std::size_t f = 0; f < step.source.size(); ++f) {
       std::uint32_t& source = step.source[f];
       if (source == kNoFacet) continue;
-      step.fills_hole[f] = result.fills_hole[source];
+      step.fills_hole[f] = step.fills_hole[f] || result.fills_hole[source];
       source = result.source[source];
     }
     step.holes.insert(step.holes.begin(), result.holes.begin(), result.holes.end());
@@ -469,7 +470,7 @@ LocalRepairResult repair(const TriangleSoup& oriented, const LocalRepairOptions&
     LocalRepairResult step;
     step.soup = united.soup;
     step.source = united.source;
-    step.fills_hole.assign(step.source.size(), 0);
+    for (const std::uint32_t f : united.parent) step.fills_hole.push_back(state.result.fills_hole[f]);
     step.facets_cut = united.facets_cut;
     state.take(std::move(step));
     if (options.float32) state.round_new_points(known);

@@ -88,6 +88,7 @@ struct Piece {
   int jump = 1;                 // how much more the winding number is behind it than in front
   std::uint32_t cluster = 0;    // whose facets it is cut from; for an uncut facet itself
   std::uint32_t source = kNoFacet;
+  std::uint32_t parent = kNoFacet;  // a facet that covers it
 };
 
 class Arrangement {
@@ -102,7 +103,7 @@ class Arrangement {
     points_ = soup_.points;
     cut_clusters();
     for (std::uint32_t f = 0; f < soup_.facets.size(); ++f)
-      if (!cut_[f]) pieces_.push_back({soup_.facets[f], 1, f, f});
+      if (!cut_[f]) pieces_.push_back({soup_.facets[f], 1, f, f, f});
     join_patches();
     decide_patches();
     return surface();
@@ -157,9 +158,10 @@ class Arrangement {
     }
     for (auto face = mesh.finite_faces_begin(); face != mesh.finite_faces_end(); ++face) {
       const std::array<Point2, 3> c{face->vertex(0)->point(), face->vertex(1)->point(), face->vertex(2)->point()};
-      const int jump = coverage(plane, facets, CGAL::centroid(c[0], c[1], c[2]));
+      std::uint32_t parent = kNoFacet;
+      const int jump = coverage(plane, facets, CGAL::centroid(c[0], c[1], c[2]), parent);
       if (jump == 0) continue;
-      Piece piece{{number(plane.lifted(c[0])), number(plane.lifted(c[1])), number(plane.lifted(c[2]))}, jump, cluster, kNoFacet};
+      Piece piece{{number(plane.lifted(c[0])), number(plane.lifted(c[1])), number(plane.lifted(c[2]))}, jump, cluster, kNoFacet, parent};
       if (!plane.faces_axis()) std::swap(piece.points[1], piece.points[2]);
       if (facets.size() == 1 && mesh.number_of_faces() == 1) piece.source = facets[0];
       pieces_.push_back(piece);
@@ -167,13 +169,14 @@ class Arrangement {
   }
 
   // How many of the facets cover the point facing the cluster's way, minus those facing the other.
-  int coverage(const Projection& plane, const std::vector<std::uint32_t>& facets, const Point2& at) const {
+  int coverage(const Projection& plane, const std::vector<std::uint32_t>& facets, const Point2& at, std::uint32_t& parent) const {
     int sum = 0;
     for (const std::uint32_t f : facets) {
       const Kernel::Triangle_3 t = triangle(f);
       const Point2 a = plane.flat(t[0]), b = plane.flat(t[1]), c = plane.flat(t[2]);
       const auto turn = CGAL::orientation(a, b, c);
       if (CGAL::orientation(a, b, at) != turn || CGAL::orientation(b, c, at) != turn || CGAL::orientation(c, a, at) != turn) continue;
+      parent = f;
       sum += (turn == CGAL::COUNTERCLOCKWISE) == plane.faces_axis() ? 1 : -1;
     }
     return sum;
@@ -264,6 +267,7 @@ class Arrangement {
       if (in_front) std::swap(piece.points[1], piece.points[2]);
       result.soup.facets.push_back(piece.points);
       result.source.push_back(in_front ? kNoFacet : piece.source);
+      result.parent.push_back(piece.parent);
       if (piece.source != kNoFacet) shown[piece.source] = 1;
     }
     for (std::size_t f = 0; f < cut_.size(); ++f) {

@@ -35,7 +35,9 @@ struct RepairActions {
   // The level set gear's.
   std::size_t components_lost = 0;        // of the input, that the result has nothing of
   double area_lost = 0;                   // of all parts that it is not near to, model units squared
+  std::size_t debris_dropped = 0;         // small pieces of the surface that stand for no component of the input
   // The local gear's.
+  std::size_t facets_cut = 0;             // that met others, where bodies were united
   std::size_t needles_flipped = 0;        // facets without an area, taken out by flipping an edge
   std::size_t points_split = 0;           // that several fans shared, and were moved apart
   double largest_split = 0;               // how far, model units

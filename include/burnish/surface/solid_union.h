@@ -13,6 +13,7 @@ namespace burnish {
 struct SolidUnion {
   TriangleSoup soup;                  // welded; the surface of {winding number >= 1}
   std::vector<std::uint32_t> source;  // facet of the input with the same points, or kNoFacet
+  std::vector<std::uint32_t> parent;  // a facet of the input that it is a part of
   std::size_t facets_cut = 0;         // of the input, that meet others
   std::size_t facets_absorbed = 0;    // of the input, that are no part of the union's surface at all
 };
