@@ -179,6 +179,7 @@ class Run {
 
   void rebuild(CleanedOutput& output) {
     begin("distances and signs");
+    if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
     resolve_cell(job_.options, prepared_.capped.soup, report_.options, report_.warnings);
     BuiltLevelSet built = build_level_set(prepared_, report_, progress_);
     if (report_.options.smooth > 0) {
@@ -219,10 +220,11 @@ class Run {
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
     std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
     for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
-    report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](std::uint32_t f) -> std::string {
-      if (prepared_.fates[f] != FacetFate::used) return std::string(reason(prepared_.fates[f]));
-      if (roles[prepared_facet[f]] == FacetRole::interior) return "inside the solid";
-      if (roles[prepared_facet[f]] == FacetRole::unresolved) return "thinner than a cell";
+    report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](const FarSample& sample) -> std::string {
+      const FacetFate fate = prepared_.fates[sample.facet];
+      if (!report_.is_sheet && result_index.winding_number(sample.at) > 0.5) return std::string(reason(FacetFate::absorbed));
+      if (fate != FacetFate::used) return std::string(reason(fate));
+      if (roles[prepared_facet[sample.facet]] == FacetRole::unresolved) return "thinner than a cell";
       return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
     });
     const MissingComponents missing = missing_components(input_, result_index, limit);

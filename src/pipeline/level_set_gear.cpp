@@ -8,12 +8,14 @@
 #include "burnish/core/parallel.h"
 #include "burnish/extract/trim.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/surface/sheet_block.h"
 #include "burnish/surface/triangle_index.h"
 #include "resolve_options.h"
 
 namespace burnish {
 namespace {
 
+constexpr double kSheetMargin = 0.02;     // of the diagonal: how far a sheet goes on beyond its rim, at least
 constexpr double kNegligibleArea = 1e-4;  // of the input's: unresolved details beyond this are worth a warning
 constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
 constexpr double kUnsmoothedBand = 3;     // cells of exact distances around the surface
@@ -59,6 +61,26 @@ void tell_unresolved(const LevelSetFromTriangles& built, RepairReport& report) {
 }
 
 }  // namespace
+
+void close_sheet(PreparedInput& prepared, const CleanOptions& asked, RepairReport& report) {
+  // The sheet: the facets and what fills the holes that are to be closed.
+  const std::size_t facets = prepared.oriented.facets.size();
+  CappedSoup sheet{prepared.capped.soup, facets, {}, 0};
+  std::vector<Facet>& kept = sheet.soup.facets;
+  kept.resize(facets);
+  for (const Cap& cap : prepared.capped.caps) {
+    if (cap.hole.width() > *report.options.max_hole) continue;
+    sheet.caps.push_back({cap.hole, kept.size(), cap.facet_count});
+    const auto begin = prepared.capped.soup.facets.begin() + static_cast<std::ptrdiff_t>(cap.first_facet);
+    kept.insert(kept.end(), begin, begin + static_cast<std::ptrdiff_t>(cap.facet_count));
+  }
+  const double diagonal = report.before.box.diagonal(), reach = kSheetMargin * diagonal + asked.smooth.in_model_units(diagonal, kSheetMargin * diagonal);
+  if (auto block = close_as_block(sheet.soup, reach, 2 * reach)) {
+    block->caps.insert(block->caps.end(), sheet.caps.begin(), sheet.caps.end());
+    block->first_cap_facet = facets;
+    prepared.capped = std::move(*block);
+  }
+}
 
 BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;

@@ -17,6 +17,9 @@ struct BuiltLevelSet {
   std::vector<FacetRole> roles;  // of the prepared soup's facets, caps included
 };
 
+// Closes the prepared input anew if openings are to stay and the rest is a sheet that has a top side: as a block.
+void close_sheet(PreparedInput& prepared, const CleanOptions& asked, RepairReport& report);
+
 // Builds the level set for the resolved options and tells report.grid, report.actions and report.warnings.
 BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& report, Progress& progress);
 

@@ -8,6 +8,7 @@
 #include "burnish/core/error.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/thickness.h"
 
 namespace burnish {
 namespace {
@@ -15,6 +16,10 @@ namespace {
 constexpr double kCoarsest = 1.0 / 300, kFinest = 1.0 / 1000;  // of the diagonal, for a default cell
 constexpr double kCellsAcross = 6;             // of the mean thickness
 constexpr double kCellsAcrossShell = 4;        // of the thickness of a shell that was asked for
+constexpr double kCellsPerWall = 2;            // of its thickness, so that a wall is there at all
+constexpr double kFinestForWalls = 1.0 / 1500, kMostCellsForWalls = 2e6;
+constexpr double kThinShare = 0.02;            // of the area has to be walls that a finer cell would resolve
+constexpr std::size_t kWallSamples = 4000;
 constexpr double kCreaseShare = 0.3;           // of the surface may lie within a cell's width along creases
 constexpr double kCreaseCosine = 0.766;        // of the angle between normals, 40 degrees: sharper edges are creases
 constexpr double kLeastHeight = 0.01;          // of a facet over its edge: flatter ones have no reliable normal
@@ -71,14 +76,27 @@ double crease_length(const TriangleSoup& soup) {
   return length;
 }
 
+// The cell that gives walls their two cells, if walls too thin for that are common and not too thin for any cell. [T-CELL-2]
+double refined_for_walls(const TriangleSoup& prepared, double diagonal, double cell) {
+  const double finest = std::max(kFinestForWalls * diagonal, std::sqrt(area(prepared) / kMostCellsForWalls));
+  if (!(finest < cell)) return cell;
+  const std::vector<double> walls = wall_thicknesses(prepared, kWallSamples);
+  const auto begin = std::lower_bound(walls.begin(), walls.end(), kCellsPerWall * finest);
+  const auto end = std::lower_bound(begin, walls.end(), kCellsPerWall * cell);
+  const auto thin = end - begin;
+  if (static_cast<double>(thin) < kThinShare * static_cast<double>(kWallSamples)) return cell;
+  return std::max(finest, *(begin + thin / 4) / kCellsPerWall);
+}
+
 // [T-CELL-1]
 double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth) {
   const double at_creases = kCreaseShare * area(prepared) / std::max(crease_length(prepared), area(prepared) / diagonal);
   const double wanted = std::min({mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross, at_creases});
   const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));
   const double cell = std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
-  if (smooth.unit == LengthUnit::cells) return cell;
+  if (smooth.unit == LengthUnit::cells) return refined_for_walls(prepared, diagonal, cell);
   const double enough = smooth.in_model_units(diagonal, 0) / kCellsPerWave;
+  if (!(enough > cell)) return refined_for_walls(prepared, diagonal, cell);
   return std::max(cell, std::min(enough, kCoarsestSmoothed * diagonal));
 }
 

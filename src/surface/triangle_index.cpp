@@ -25,6 +25,29 @@ double squared_distance_to_box(const Vec3& p, const Vec3& lower, const Vec3& upp
   return squared_norm(d);
 }
 
+// Where a ray enters a box; infinity if it misses it. Slabs; a direction of zero gives infinities of either sign, or nan,
+// which min and max pass over.
+double entry_distance(const Vec3& origin, const Vec3& inverse, const Vec3& lower, const Vec3& upper) {
+  double near = 0, far = std::numeric_limits<double>::infinity();
+  for (int a = 0; a < 3; ++a) {
+    const double t0 = (lower[a] - origin[a]) * inverse[a], t1 = (upper[a] - origin[a]) * inverse[a];
+    near = std::max(near, std::min(t0, t1));
+    far = std::min(far, std::max(t0, t1));
+  }
+  return near <= far ? near : std::numeric_limits<double>::infinity();
+}
+
+// Where a ray meets a triangle; infinity if it does not.
+double distance_along(const Vec3& origin, const Vec3& direction, const std::array<Vec3, 3>& c) {
+  constexpr double kMiss = std::numeric_limits<double>::infinity();
+  const Vec3 ab = c[1] - c[0], ac = c[2] - c[0], p = cross(direction, ac);
+  const double det = dot(ab, p);
+  if (det == 0) return kMiss;
+  const Vec3 s = origin - c[0], q = cross(s, ab);
+  const double u = dot(s, p) / det, v = dot(direction, q) / det, t = dot(ac, q) / det;
+  return u >= 0 && v >= 0 && u + v <= 1 && t > 0 ? t : kMiss;
+}
+
 }  // namespace
 
 Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -197,6 +220,30 @@ TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squar
     if (far.bound < near.bound) std::swap(near, far);
     stack[top++] = far;
     stack[top++] = near;
+  }
+  return best;
+}
+
+TriangleIndex::Hit TriangleIndex::first_hit(const Vec3& origin, const Vec3& direction) const {
+  Hit best;
+  if (nodes_.empty()) return best;
+  const Vec3 inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
+  std::array<std::uint32_t, 128> stack;
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::uint32_t i = stack[--top];
+    const Node& node = nodes_[i];
+    if (!(entry_distance(origin, inverse, node.lower, node.upper) < best.distance)) continue;
+    if (node.count == 0) {
+      stack[top++] = node.first;
+      stack[top++] = i + 1;
+      continue;
+    }
+    for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
+      const double t = distance_along(origin, direction, corners_[s]);
+      if (t < best.distance) best = {t, facet_ids_[s]};
+    }
   }
   return best;
 }

@@ -34,6 +34,14 @@ class TriangleIndex {
   // Without any, `facet` is 0xffffffff. 1 to 2 us near the surface of a million facets.
   Closest closest(const Vec3& p, double within_squared = std::numeric_limits<double>::infinity()) const;
 
+  struct Hit {
+    double distance = std::numeric_limits<double>::infinity();
+    std::uint32_t facet = 0xffffffffu;
+  };
+  // The first facet that a ray meets, from either side; a ray through an edge may pass between its facets by rounding.
+  // Moeller & Trumbore 1997. `direction` has length 1.
+  Hit first_hit(const Vec3& origin, const Vec3& direction) const;
+
   // The generalised winding number (Jacobson et al. 2013) by the hierarchy of Barill et al. 2018: exact solid
   // angles of near facets, first-order Taylor expansions of the dipole field for groups farther than
   // `kBeta` radii. Error up to 0.03 (measured, in a ball); an integer for closed surfaces up to that.
