@@ -15,8 +15,7 @@
 namespace burnish {
 namespace {
 
-constexpr double kVolumeTolerance = 0.02;   // of the prepared input's volume
-constexpr std::size_t kMostChanges = 1000;  // listed
+constexpr double kVolumeTolerance = 0.02;  // of the prepared input's volume
 
 TriangleSoup picked(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
   TriangleSoup part;
@@ -119,7 +118,6 @@ std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, 
   std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
     return a.facets_removed + a.facets_added > b.facets_removed + b.facets_added;
   });
-  if (changes.size() > kMostChanges) changes.resize(kMostChanges);
   return changes;
 }
 
