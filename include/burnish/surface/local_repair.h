@@ -7,7 +7,7 @@
 // solid: `inspect` the file that was written.
 //
 // What local repair is not made for it refuses, with a reason: overlapping bodies (their union is a different
-// surface), one-sided surfaces, and damage to more than a small part of the facets.
+// surface), and damage to more than a small part of the facets. One-sided surfaces are cut along a seam.
 #pragma once
 
 #include <cstdint>
