@@ -141,7 +141,8 @@ class Run {
       return false;
     }
     begin("measuring");
-    const double tolerance = kLocalTolerance * report_.before.box.diagonal();
+    // Joining both sides of a gap moves them as far as was asked for.
+    const double tolerance = std::max(kLocalTolerance * report_.before.box.diagonal(), report_.options.gap.value_or(0));
     why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
     if (!why_not.empty()) return false;
     warn_of_losses({});
@@ -193,7 +194,7 @@ class Run {
     begin("extracting and verifying");
     CleanedOutput::Finish finish;
     if (report_.options.max_hole && !job_.options.thicken)
-      finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, *report_.options.max_hole); };
+      finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
     report_.after = output.write_verified(level_set, finish, progress_).defects;
     judge_result();
     if (!report_.verified || output.float_steps_too_coarse()) {

@@ -23,7 +23,8 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& repor
 // Smooths as report.options say; tells report.smoothing and report.warnings.
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
 
-// The surface (in model units, welded) without what closes the openings that are to stay. [T-TRIM-1]
-TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, double max_hole);
+// The surface (in model units, welded) without what closes the openings that are to stay: those wider than
+// `options.max_hole`, which is set. [T-TRIM-1]
+TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, const ResolvedOptions& options);
 
 }  // namespace burnish
