@@ -23,6 +23,7 @@ constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
 constexpr double kLargeCaps = 0.1;          // of the input's area: caps beyond this are worth a warning
 constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
 constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
+constexpr double kInsideWinding = 1;        // on the surface of the solid it is 1/2, and 3/2 or more where bodies overlap
 constexpr double kRecentreSteps = 0x1p-12;  // of the coordinates' size: what it is moved by is a multiple of that
 
 // One run: the stages write into the report as they go.
@@ -220,13 +221,20 @@ class Run {
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
     std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
     for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
-    report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](std::uint32_t f) -> std::string {
-      if (prepared_.fates[f] != FacetFate::used) return std::string(reason(prepared_.fates[f]));
-      if (roles[prepared_facet[f]] == FacetRole::interior) return "inside the solid";
-      if (roles[prepared_facet[f]] == FacetRole::unresolved) return "thinner than a cell";
+    const auto role = [&](std::uint32_t f) { return prepared_facet[f] == kNoFacet ? FacetRole::boundary : roles[prepared_facet[f]]; };
+    const TriangleIndex solid(far.empty() ? TriangleSoup{} : prepared_.capped.soup);
+    report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](const FarSample& s) -> std::string {
+      if (prepared_.fates[s.facet] != FacetFate::used) return std::string(reason(prepared_.fates[s.facet]));
+      if (role(s.facet) == FacetRole::interior || solid.winding_number(s.at) > kInsideWinding) return "inside the solid";
+      if (role(s.facet) == FacetRole::unresolved) return "thinner than a cell";
       return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
     });
-    const MissingComponents missing = missing_components(input_, result_index, limit);
+    // What was dropped, or lies inside, is missing on purpose.
+    TriangleSoup wanted{input_.points, {}, {}};
+    for (std::uint32_t f = 0; f < input_.facets.size(); ++f)
+      if (prepared_.fates[f] == FacetFate::sheet || (prepared_.fates[f] == FacetFate::used && role(f) != FacetRole::interior))
+        wanted.facets.push_back(input_.facets[f]);
+    const MissingComponents missing = missing_components(wanted, result_index, limit);
     report_.actions.components_lost = missing.count;
     for (ComponentFate& c : report_.components) {
       if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;

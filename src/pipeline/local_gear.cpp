@@ -181,7 +181,7 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
     std::vector<FarSample> far;
     const OneSidedDistance left = one_sided_distance(picked(welded, d.left_out), index, {.far_beyond = tolerance}, &far);
     report.deviation.input_to_output = sum(lost, area_of(welded, d.removed) / before, left, area_of(welded, d.left_out) / before);
-    report.losses = gather_losses(far, report.before.box.diagonal(), [&](std::uint32_t f) { return std::string(reason(prepared.fates[d.left_out[f]])); });
+    report.losses = gather_losses(far, report.before.box.diagonal(), [&](const FarSample& s) { return std::string(reason(prepared.fates[d.left_out[s.facet]])); });
     if (lost.max > tolerance) objection = fmt::format("{:.3g} away from the result something of the input would be lost", lost.max);
   }
   const std::vector<std::uint32_t>& added = d.added;

@@ -15,12 +15,12 @@ constexpr std::size_t kMostLosses = 1000;  // listed; beyond that the last one s
 }  // namespace
 
 std::vector<Loss> gather_losses(const std::vector<FarSample>& far, double diagonal,
-                                const std::function<std::string(std::uint32_t)>& reason_of) {
+                                const std::function<std::string(const FarSample&)>& reason_of) {
   using Place = std::pair<std::string, std::array<double, 3>>;
   std::map<Place, Loss> places;
   const double side = diagonal / kPlacesAcross;
   for (const FarSample& sample : far) {
-    const std::string reason = reason_of(sample.facet);
+    const std::string reason = reason_of(sample);
     const Vec3 at = sample.at / side;
     Loss& loss = places[{reason, {std::floor(at.x), std::floor(at.y), std::floor(at.z)}}];
     loss.reason = reason;

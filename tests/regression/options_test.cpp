@@ -186,6 +186,27 @@ TEST_F(PipelineOptions, SmallComponentsAreDropped) {
   }
 }
 
+// What lies inside other bodies, whether a whole facet or part of one, and what was to be dropped is no reason to warn.
+TEST_F(PipelineOptions, NothingIsLostWhereBodiesOverlapOrAreDropped) {
+  const TriangleSoup large = scaled(cube(), 2);
+  CleanOptions options;
+  options.resolution = 60;
+  for (const Vec3& by : {Vec3{1.5, 0.5, 0.4}, Vec3{1.2, 0.5, 0.4}, Vec3{0.5, 0.5, 0.4}}) {
+    SCOPED_TRACE(by.x);
+    const RepairReport united = run(merged(large, moved(cube(), by)), options);
+    expect_solid(united, 8 + std::max(by.x - 1, 0.0));
+    for (const Loss& loss : united.losses) EXPECT_EQ(loss.reason, "inside the solid") << loss.area;
+    EXPECT_EQ(united.actions.area_lost, 0);
+    EXPECT_EQ(united.actions.components_lost, 0u);
+    EXPECT_TRUE(united.warnings.empty()) << united.warnings[0];
+  }
+  options.keep_largest = true;
+  const RepairReport dropped = run(merged(large, moved(cube(), {4, 0, 0})), options);
+  expect_solid(dropped, 8);
+  EXPECT_EQ(dropped.actions.components_lost, 0u);
+  for (const Loss& loss : dropped.losses) EXPECT_EQ(loss.reason, "a component that was not wanted");
+}
+
 // --- position -------------------------------------------------------------------------------------
 
 // Coordinates as a survey has them, in metres from the equator: float32 has steps of half a metre there.
