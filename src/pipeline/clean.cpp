@@ -141,6 +141,7 @@ class Run {
       return false;
     }
     begin("measuring");
+    // Joining both sides of a gap moves them as far as was asked for.
     const double tolerance = std::max(kLocalTolerance * report_.before.box.diagonal(), report_.options.gap.value_or(0));
     why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
     if (!why_not.empty()) return false;
@@ -195,7 +196,7 @@ class Run {
     begin("extracting and verifying");
     CleanedOutput::Finish finish;
     if (report_.options.max_hole && !job_.options.thicken)
-      finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, *report_.options.max_hole); };
+      finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
     const auto sift = [&](TriangleSoup& surface) {
       report_.actions.debris_dropped = leave_out_debris(surface, prepared_, level_set.frame);
     };
@@ -226,14 +227,21 @@ class Run {
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
     std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
     for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
+    const auto role = [&](std::uint32_t f) { return prepared_facet[f] == kNoFacet ? FacetRole::boundary : roles[prepared_facet[f]]; };
     report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](const FarSample& sample) -> std::string {
       const FacetFate fate = prepared_.fates[sample.facet];
-      if (!report_.is_sheet && result_index.winding_number(sample.at) > 0.5) return std::string(reason(FacetFate::absorbed));
+      const bool inside = role(sample.facet) == FacetRole::interior || result_index.winding_number(sample.at) > 0.5;
+      if (!report_.is_sheet && inside) return std::string(reason(FacetFate::absorbed));
       if (fate != FacetFate::used) return std::string(reason(fate));
-      if (roles[prepared_facet[sample.facet]] == FacetRole::unresolved) return "thinner than a cell";
+      if (role(sample.facet) == FacetRole::unresolved) return "thinner than a cell";
       return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
     });
-    const MissingComponents missing = missing_components(input_, result_index, limit);
+    // What was dropped, or lies inside, is missing on purpose.
+    TriangleSoup wanted{input_.points, {}, {}};
+    for (std::uint32_t f = 0; f < input_.facets.size(); ++f)
+      if (prepared_.fates[f] == FacetFate::sheet || (prepared_.fates[f] == FacetFate::used && role(f) != FacetRole::interior))
+        wanted.facets.push_back(input_.facets[f]);
+    const MissingComponents missing = missing_components(wanted, result_index, limit);
     report_.actions.components_lost = missing.count;
     for (ComponentFate& c : report_.components) {
       if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "burnish/core/parallel.h"
+#include "burnish/core/union_find.h"
 #include "burnish/extract/trim.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
 #include "burnish/surface/sheet_block.h"
@@ -24,6 +25,7 @@ constexpr double kVoteReach = 3;          // cells
 constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
 constexpr double kUnsmoothedBand = 3;     // cells of exact distances around the surface
 constexpr double kDomainMargin = 11;      // cells between the band and the walls
+constexpr double kCrumb = 0.25;           // cells: a part of either sign that stays nearer to the rim than this is none
 
 // Smoothing and extraction look no farther than the band, so the far field is left out.
 LevelSetOptions level_set_options(const ResolvedOptions& options) {
@@ -84,6 +86,19 @@ std::vector<std::uint32_t> pieces_of_components(const TriangleSoup& surface, con
   for (const auto& vote : votes)
     if (!vote.empty()) chosen.push_back(std::max_element(vote.begin(), vote.end(), fewer)->first);
   return chosen;
+}
+
+// At the rim of an opening both distances are the same up to rounding: points there that have another sign than all
+// points around them would become crumbs of the sheet, or pinholes in it.
+void turn_crumbs(const TriangleSoup& surface, double least, std::vector<double>& values) {
+  UnionFind parts(values.size());
+  for (const Facet& f : surface.facets)
+    for (std::size_t i = 0; i < 3; ++i)
+      if ((values[f[i]] >= 0) == (values[f[(i + 1) % 3]] >= 0)) parts.unite(f[i], f[(i + 1) % 3]);
+  std::vector<double> reach(values.size(), 0.0);
+  for (std::uint32_t p = 0; p < values.size(); ++p) reach[parts.find(p)] = std::max(reach[parts.find(p)], std::abs(values[p]));
+  for (std::uint32_t p = 0; p < values.size(); ++p)
+    if (reach[parts.find(p)] < least) values[p] = values[p] >= 0 ? -least : least;
 }
 
 }  // namespace
@@ -164,12 +179,12 @@ std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepare
   return static_cast<std::size_t>(std::count(debris.begin(), debris.end(), 1));
 }
 
-TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, double max_hole) {
+TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, const ResolvedOptions& options) {
   const TriangleSoup& all = prepared.capped.soup;
   TriangleSoup kept{all.points, {}, {}}, openings{all.points, {}, {}};
   kept.facets.assign(all.facets.begin(), all.facets.begin() + static_cast<std::ptrdiff_t>(prepared.capped.first_cap_facet));
   for (const Cap& cap : prepared.capped.caps) {
-    TriangleSoup& to = cap.hole.width() > max_hole ? openings : kept;
+    TriangleSoup& to = cap.hole.width() > *options.max_hole ? openings : kept;
     const auto begin = all.facets.begin() + static_cast<std::ptrdiff_t>(cap.first_facet);
     to.facets.insert(to.facets.end(), begin, begin + static_cast<std::ptrdiff_t>(cap.facet_count));
   }
@@ -180,6 +195,7 @@ TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput&
     const Vec3& p = surface.points[i];
     values[i] = std::sqrt(near_openings.closest(p).squared_distance) - std::sqrt(near_kept.closest(p).squared_distance);
   });
+  turn_crumbs(surface, kCrumb * options.cell, values);
   return trim_negative(surface, values);
 }
 

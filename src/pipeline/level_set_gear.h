@@ -30,7 +30,8 @@ void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progr
 // input. Returns how many. A component of the input keeps its piece, however small. [T-DEBRIS-1]
 std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame);
 
-// The surface (in model units, welded) without what closes the openings that are to stay. [T-TRIM-1]
-TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, double max_hole);
+// The surface (in model units, welded) without what closes the openings that are to stay: those wider than
+// `options.max_hole`, which is set. [T-TRIM-1]
+TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, const ResolvedOptions& options);
 
 }  // namespace burnish

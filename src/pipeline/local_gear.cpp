@@ -167,7 +167,6 @@ std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, 
   std::stable_sort(changes.begin(), changes.end(), [](const Change& a, const Change& b) {
     return a.facets_removed + a.facets_added > b.facets_removed + b.facets_added;
   });
-  if (changes.size() > kMostChanges) changes.resize(kMostChanges);
   return changes;
 }
 

@@ -89,9 +89,11 @@ double refined_for_walls(const TriangleSoup& prepared, double diagonal, double c
 }
 
 // [T-CELL-1]
-double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth) {
+double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth, const std::optional<double>& shell) {
   const double at_creases = kCreaseShare * area(prepared) / std::max(crease_length(prepared), area(prepared) / diagonal);
-  const double wanted = std::min({mean_edge_length(prepared), mean_thickness(prepared) / kCellsAcross, at_creases});
+  // The thickness of what is to be built: a sheet that becomes a shell has none of its own.
+  const double across = shell ? *shell / kCellsAcrossShell : mean_thickness(prepared) / kCellsAcross;
+  const double wanted = std::min({mean_edge_length(prepared), across, at_creases});
   const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));
   const double cell = std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
   if (smooth.unit == LengthUnit::cells) return refined_for_walls(prepared, diagonal, cell);
@@ -129,8 +131,9 @@ void resolve_cell(const CleanOptions& asked, const TriangleSoup& prepared, Resol
   const auto band = [&](double cell) { return band_of(asked.smooth, diagonal, cell) + half_shell / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
-    double wanted = default_cell(prepared, diagonal, asked.smooth);
-    if (resolved.thicken) wanted = std::max(std::min(wanted, *resolved.thicken / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
+    double wanted = default_cell(prepared, diagonal, asked.smooth, resolved.thicken);
+    if (resolved.thicken)
+      wanted = std::max(std::min(wanted, *resolved.thicken / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
     resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));

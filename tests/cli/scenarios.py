@@ -445,7 +445,8 @@ def report_of_a_run(box):
     box.succeed(["hole.stl", "-o", "x.stl", "--report", "r.json", "-q", *QUICK])
     report = json.loads(box.read("r.json"))
     expect_valid("report.schema.json", report)
-    expect(report["output"] == {"file": "x.stl", "format": "binary STL", "written": True, "verified": True},
+    expect(report["output"] == {"file": "x.stl", "format": "binary STL", "written": True, "verified": True,
+                                "is_sheet": False},
            f"output: {report['output']}")
     expect(report["failure"] is None, "a failure")
     expect(report["before"]["open_edges"] == 3 and report["after"]["open_edges"] == 0, "open edges")
@@ -478,6 +479,74 @@ def report_of_a_smoothing_run(box):
     expect_valid("report.schema.json", report)
     expect(abs(report["smoothing"]["length"] - 3 * report["options"]["cell"]) < 1e-12, "smoothing length")
     expect(report["smoothing"]["steps"] > 0, "no steps")
+
+
+def valid_report(box, args, code=0):
+    """The report of a run with this exit code, which the schema holds for; --json prints it."""
+    result = box.run([*args, "--json", "-q"])
+    expect(result.code == code, f"exit code {result.code} of {args}\n{result.messages()}")
+    report = json.loads(result.out)
+    expect_valid("report.schema.json", report)
+    return report
+
+
+@scenario("schemas")
+def report_of_a_local_run(box):
+    report = valid_report(box, ["hole.stl", "-o", "x.stl"])
+    expect(report["method"] == "local" and report["method_reason"], f"method: {report['method']}")
+    expect(report["options"]["cell"] == 0 and report["grid"]["blocks"] == 0, "a level set")
+    expect(report["holes"]["count"] == 1 and report["holes"]["largest"][0]["filled"], f"holes: {report['holes']}")
+    expect(report["changes"]["count"] == 1, f"changes: {report['changes']}")
+    expect(report["actions"]["facets_kept"] == 11 and report["actions"]["facets_added"] == 1, f"{report['actions']}")
+    expect(report["losses"] == {"count": 0, "largest": []}, f"losses: {report['losses']}")
+
+
+@scenario("schemas")
+def report_of_a_valid_input(box):
+    report = valid_report(box, ["cube.stl", "-o", "x.stl"])
+    expect(report["method"] == "local", f"method: {report['method']}")
+    expect(report["deviation"] == {"input_to_output": None, "output_to_input": None}, f"{report['deviation']}")
+    expect([c["fate"] for c in report["components"]["largest"]] == ["kept"], f"{report['components']}")
+
+
+@scenario("schemas")
+def report_of_a_level_set_run(box):
+    report = valid_report(box, ["crossing.stl", "-o", "x.stl", "--method", "levelset", *QUICK])
+    expect(report["method"] == "levelset" and report["method_reason"] == "asked for", f"{report['method_reason']}")
+    expect(report["options"]["cell"] > 0 and report["grid"]["blocks"] > 0, "no level set")
+    expect([c["fate"] for c in report["components"]["largest"]] == ["merged", "merged"], f"{report['components']}")
+    expect(report["changes"]["count"] == 0, f"changes: {report['changes']}")
+
+
+@scenario("schemas")
+def report_of_a_sheet(box):
+    for options in ([], ["--smooth", "3h", *QUICK], ["--max-hole", "0.5"]):
+        keep = [] if "--max-hole" in options else ["--keep-openings"]
+        report = valid_report(box, ["hole.stl", "-o", "x.ply", "--overwrite", *keep, *options])
+        expect(report["output"]["is_sheet"] and report["output"]["verified"], f"{options}: {report['output']}")
+        expect(report["after"]["open_loops"] == 1, f"{options}: {report['after']}")
+        expect(report["options"]["max_hole"] == (0.5 if not keep else 0), f"{options}: {report['options']}")
+
+
+@scenario("schemas")
+def report_of_a_thickened_sheet(box):
+    report = valid_report(box, ["triangle.stl", "-o", "x.stl", "--thicken", "0.2"])
+    expect(report["options"]["thicken"] == 0.2 and report["after"]["valid_solid"], f"{report['options']}")
+
+
+@scenario("schemas")
+def report_of_dropped_and_moved_components(box):
+    far = models.cube(offset=(100, 0, 0))
+    stray = [((50, 0, 0), (50.1, 0, 0), (50, 0.1, 0))]
+    box.write("three.stl", models.binary_stl(models.cube() + far + stray))
+    report = valid_report(box, ["three.stl", "-o", "x.stl", "--keep-largest", "--recentre", "--gap", "0.001"])
+    expect([c["fate"] for c in report["components"]["largest"]] == ["kept", "dropped", "lost"],
+           f"{report['components']}")
+    expect(report["losses"]["count"] >= 2, f"losses: {report['losses']}")
+    expect(report["options"]["gap"] == 0.001, f"{report['options']}")
+    expect(abs(report["recentred_by"][0] - 50.5) < 0.1, f"{report['recentred_by']}")
+    local = valid_report(box, ["crossing.stl", "-o", "y.stl", "--method", "local"], code=5)
+    expect(local["method"] == "local" and "overlap" in local["failure"]["message"], f"{local['failure']}")
 
 
 @scenario("schemas")

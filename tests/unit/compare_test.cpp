@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <vector>
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/triangle_index.h"
@@ -72,6 +73,38 @@ TEST(Compare, FindsMissingComponents) {
   EXPECT_NEAR(missing.area, area(small), 1e-12);
   EXPECT_NEAR(norm(missing.largest_at - Vec3{3, 0, 0}), 0.1, 1e-6);
   EXPECT_EQ(missing_components(both, TriangleIndex(both), 0.01).count, 0u);
+}
+
+// A square 5 above a sphere, of area 4: the samples on it are far, say how far and on which facet, and stand for its area.
+TEST(Compare, ListsFarSamples) {
+  const TriangleSoup near = icosphere(3);
+  TriangleSoup square;
+  square.points = {{-1, -1, 6}, {1, -1, 6}, {1, 1, 6}, {-1, 1, 6}};
+  square.facets = {{0, 1, 2}, {0, 2, 3}};
+  const TriangleSoup both = merged(near, square);
+  std::vector<FarSample> far;
+  const OneSidedDistance d = one_sided_distance(both, TriangleIndex(near), {.far_beyond = 1}, &far);
+  double stands_for = 0;
+  std::size_t points = 0;
+  for (const FarSample& sample : far) {
+    EXPECT_EQ(sample.at.z, 6);
+    EXPECT_GE(sample.facet, near.facets.size());
+    EXPECT_NEAR(sample.distance, norm(sample.at) - 1, 0.01);
+    stands_for += sample.area;
+    points += sample.area == 0;
+  }
+  EXPECT_EQ(points, 4u);
+  EXPECT_NEAR(stands_for, 4, 0.01);
+  EXPECT_NEAR(d.max, std::sqrt(38.0) - 1, 0.01);
+}
+
+TEST(Compare, NothingIsFarFromItself) {
+  const TriangleSoup soup = torus(20, 10);
+  std::vector<FarSample> far;
+  one_sided_distance(soup, TriangleIndex(soup), {.far_beyond = 1e-12}, &far);
+  EXPECT_TRUE(far.empty());
+  one_sided_distance(moved(soup, {10, 0, 0}), TriangleIndex(soup), {}, &far);
+  EXPECT_TRUE(far.empty()) << "without a limit nothing is far";
 }
 
 }  // namespace

@@ -6,8 +6,8 @@
 // bound remains (surface/solid_union.h); what still intersects is cut out and filled anew. CGAL's polygon mesh processing does the mending; nothing here promises that the result is a valid
 // solid: `inspect` the file that was written.
 //
-// What local repair is not made for it refuses, with a reason: one-sided surfaces, sheets that intersect themselves in many
-// places, and tangles that cutting does not resolve.
+// What local repair is not made for it refuses, with a reason: sheets that intersect themselves in many places, and tangles
+// that cutting does not resolve. One-sided surfaces are cut along a seam.
 #pragma once
 
 #include <cstdint>

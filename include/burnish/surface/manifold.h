@@ -18,8 +18,9 @@ struct ManifoldPieces {
 
 // Splits the points of an oriented, welded soup so that around each there is one fan of facets, joined across edges
 // with one facet on each side. At an edge with more than two facets, those pair up that bound the same wedge of
-// material: bodies that touch along an edge come apart there, and a sheet that ends on a body is cut off. `manifold`
-// is false for what cannot be cut that way, such as one-sided surfaces. Linear in the number of facets.
+// material: bodies that touch along an edge come apart there, and a sheet that ends on a body is cut off. A one-sided
+// surface is cut along the seam where its orientation changes. `manifold` is false for what cannot be cut that way: an
+// edge with more than two facets around both ends of which the same facets join. Linear in the number of facets.
 ManifoldPieces split_into_manifold_pieces(const TriangleSoup& oriented);
 
 }  // namespace burnish
