@@ -170,7 +170,6 @@ TEST(LocalRepair, TouchingBodiesAreMovedApart) {
   }
 }
 
-// Of a body with a sheet on it the sheet goes its own way: here it is left with openings, which are filled flat.
 TEST(LocalRepair, SameResultEveryTime) {
   const TriangleSoup soup = orient(weld(without_random_facets(torus(40, 20), 0.05, 3))).soup;
   const LocalRepairResult a = repair_locally(soup), b = repair_locally(soup);
@@ -219,12 +218,18 @@ TEST(LocalRepair, RefusesWhatItIsNotMadeForAndSaysWhy) {
   }
 }
 
-// Whatever it makes of a one-sided surface is no solid that nobody asked for: refused, or valid when inspected.
-TEST(LocalRepair, OneSidedSurfacesAreRefusedOrCut) {
-  const LocalRepairResult r = repair_locally(orient(moebius_strip(24)).soup);
-  if (r.refusal.empty()) {
-    EXPECT_TRUE(inspect(r.soup).defects.closed_manifold());
-  }
+// Cut along its seam, whose two sides are moved apart, a one-sided strip is a two-sided one with a slit.
+TEST(LocalRepair, OneSidedSurfacesAreCutAlongASeam) {
+  const TriangleSoup strip = orient(moebius_strip(24)).soup;
+  const LocalRepairResult r = repair_locally(strip, {.max_hole = 0});
+  ASSERT_EQ(r.refusal, "");
+  expect_sources_right(strip, r);
+  EXPECT_EQ(r.points_split, 2u);
+  const Defects d = inspect(r.soup).defects;
+  EXPECT_TRUE(d.valid_sheet());
+  EXPECT_EQ(d.facets, strip.facets.size());
+  EXPECT_EQ(d.open_loops, 1u);
+  EXPECT_NEAR(d.area / area(strip), 1, 1e-3);
 }
 
 }  // namespace
