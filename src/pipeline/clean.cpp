@@ -182,7 +182,7 @@ class Run {
   void rebuild(CleanedOutput& output) {
     begin("distances and signs");
     if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
-    resolve_cell(job_.options, prepared_.capped.soup, report_.options, report_.warnings);
+    resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings);
     BuiltLevelSet built = build_level_set(prepared_, report_, progress_);
     if (report_.options.smooth > 0) {
       begin("smoothing");

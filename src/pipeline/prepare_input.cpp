@@ -7,6 +7,7 @@
 #include <numbers>
 #include <utility>
 
+#include "burnish/core/union_find.h"
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/facet_filter.h"
 #include "burnish/surface/manifold.h"
@@ -67,6 +68,7 @@ class Preparation {
     PreparedInput result;
     if (!options_.keeps_openings() && !options_.thicken) leave_out_sheets();
     cap(result);
+    find_overlaps(result, intersecting);
     settle_nesting(result);
     drop_components(result);
     find_overlaps(result, intersecting);
@@ -158,7 +160,7 @@ class Preparation {
     return dot(now, then) < 0;
   }
 
-  // Outermost shells face outwards. What lies inside another keeps the orientation it has in the file relative to the
+  // Outermost shells face outwards; what crosses others is part of a union. What lies inside another keeps the orientation it has in the file relative to the
   // outermost shell around it, or gets the one that is asked for. [T-NEST-1]
   void settle_nesting(PreparedInput& result) {
     const std::vector<char> turned = turned_shells(result);
@@ -168,7 +170,7 @@ class Preparation {
     for (std::uint32_t s = 0; s < shells.size(); ++s)
       if (shells[s].closed && outermost(s)) turn[s] = shells[s].volume < 0;
     for (std::uint32_t s = 0; s < shells.size(); ++s) {
-      if (!shells[s].closed || outermost(s)) continue;
+      if (!shells[s].closed || outermost(s) || crossed_[s]) continue;
       bool outwards = shells[s].volume > 0;
       if (options_.nesting == Nesting::cavity) {
         outwards = shells[s].around.size() % 2 == 0;
@@ -195,18 +197,19 @@ class Preparation {
   void drop_components(PreparedInput& result) {
     if (!options_.keep_largest && !options_.min_component) return;
     const std::vector<Shell>& shells = result.shells.shells;
-    double largest = 0;
-    for (const Shell& s : shells) largest = std::max(largest, std::abs(s.volume));
+    // Shells that cross are one body.
+    std::vector<double> volume(shells.size(), 0.0);
+    for (std::uint32_t s = 0; s < shells.size(); ++s) volume[bodies_.find(s)] += std::abs(shells[s].volume);
+    const double largest = shells.empty() ? 0 : *std::max_element(volume.begin(), volume.end());
     double least = options_.min_component ? options_.min_component->value : 0;
     if (options_.min_component && options_.min_component->percent_of_largest) least *= 0.01 * largest;
     std::vector<char> drop(shells.size(), 0);
     std::vector<ComponentFate> fates;
-    const auto first_largest = std::find_if(shells.begin(), shells.end(), [&](const Shell& s) { return std::abs(s.volume) == largest; });
-    const auto kept = static_cast<std::uint32_t>(first_largest - shells.begin());
+    const auto kept = static_cast<std::uint32_t>(std::find(volume.begin(), volume.end(), largest) - volume.begin());
     for (std::uint32_t s = 0; s < shells.size(); ++s) {
-      const bool inside_kept = std::any_of(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) { return a.first == kept; });
-      const bool small = std::abs(shells[s].volume) < least;
-      drop[s] = small || (options_.keep_largest && s != kept && !inside_kept);
+      const bool inside_kept = std::any_of(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) { return bodies_.find(a.first) == kept; });
+      const bool small = volume[bodies_.find(s)] < least;
+      drop[s] = small || (options_.keep_largest && bodies_.find(s) != kept && !inside_kept);
       fates.push_back(fate_of(shells[s], "dropped", small ? "smaller than --min-component" : "not the largest component"));
     }
     count_facets(result.shells, fates);
@@ -236,10 +239,13 @@ class Preparation {
     std::vector<std::uint32_t> shell_of_input(welded_.facets.size(), kNoShell);
     for (std::size_t f = 0; f < source_.size(); ++f) shell_of_input[source_[f]] = result.shells.of_facet[f];
     crossed_.assign(result.shells.shells.size(), 0);
+    bodies_ = UnionFind(crossed_.size());
+    result.bodies_overlap = false;
     for (const auto& [f, g] : intersecting) {
       const std::uint32_t s = shell_of_input[f], t = shell_of_input[g];
       if (s == t || s == kNoShell || t == kNoShell) continue;
       crossed_[s] = crossed_[t] = 1;
+      bodies_.unite(s, t);
       result.bodies_overlap = true;
     }
   }
@@ -302,6 +308,7 @@ class Preparation {
   TriangleSoup soup_;
   std::vector<std::uint32_t> source_;
   std::vector<char> crossed_;  // shells with facets that intersect another's
+  UnionFind bodies_{0};        // shells, joined where they cross
   std::vector<ComponentFate> dropped_;
   std::vector<std::pair<std::uint32_t, FacetFate>> removed_;  // facets of the input, with their components
 };

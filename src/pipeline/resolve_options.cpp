@@ -18,6 +18,7 @@ constexpr double kCellsAcross = 6;             // of the mean thickness
 constexpr double kCellsAcrossShell = 4;        // of the thickness of a shell that was asked for
 constexpr double kCellsPerWall = 2;            // of its thickness, so that a wall is there at all
 constexpr double kFinestForWalls = 1.0 / 1500, kMostCellsForWalls = 2e6;
+constexpr double kMostCaps = 0.1;              // of the area, beyond which it is not refined for walls
 constexpr double kThinShare = 0.02;            // of the area has to be walls that a finer cell would resolve
 constexpr std::size_t kWallSamples = 4000;
 constexpr double kCreaseShare = 0.3;           // of the surface may lie within a cell's width along creases
@@ -77,7 +78,10 @@ double crease_length(const TriangleSoup& soup) {
 }
 
 // The cell that gives walls their two cells, if walls too thin for that are common and not too thin for any cell. [T-CELL-2]
-double refined_for_walls(const TriangleSoup& prepared, double diagonal, double cell) {
+double refined_for_walls(const CappedSoup& capped, double diagonal, double cell) {
+  const TriangleSoup& prepared = capped.soup;
+  // Between a cap and what it is to cover there are no walls to be resolved.
+  if (capped.cap_area > kMostCaps * area(prepared)) return cell;
   const double finest = std::max(kFinestForWalls * diagonal, std::sqrt(area(prepared) / kMostCellsForWalls));
   if (!(finest < cell)) return cell;
   const std::vector<double> walls = wall_thicknesses(prepared, kWallSamples);
@@ -89,16 +93,17 @@ double refined_for_walls(const TriangleSoup& prepared, double diagonal, double c
 }
 
 // [T-CELL-1]
-double default_cell(const TriangleSoup& prepared, double diagonal, const Length& smooth, const std::optional<double>& shell) {
+double default_cell(const CappedSoup& capped, double diagonal, const Length& smooth, const std::optional<double>& shell) {
+  const TriangleSoup& prepared = capped.soup;
   const double at_creases = kCreaseShare * area(prepared) / std::max(crease_length(prepared), area(prepared) / diagonal);
   // The thickness of what is to be built: a sheet that becomes a shell has none of its own.
   const double across = shell ? *shell / kCellsAcrossShell : mean_thickness(prepared) / kCellsAcross;
   const double wanted = std::min({mean_edge_length(prepared), across, at_creases});
   const double finest = std::max(kFinest * diagonal, std::sqrt(area(prepared) / kMostCells));
   const double cell = std::clamp(wanted, std::min(finest, kCoarsest * diagonal), kCoarsest * diagonal);
-  if (smooth.unit == LengthUnit::cells) return refined_for_walls(prepared, diagonal, cell);
+  if (smooth.unit == LengthUnit::cells) return refined_for_walls(capped, diagonal, cell);
   const double enough = smooth.in_model_units(diagonal, 0) / kCellsPerWave;
-  if (!(enough > cell)) return refined_for_walls(prepared, diagonal, cell);
+  if (!(enough > cell)) return refined_for_walls(capped, diagonal, cell);
   return std::max(cell, std::min(enough, kCoarsestSmoothed * diagonal));
 }
 
@@ -125,13 +130,14 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   return resolved;
 }
 
-void resolve_cell(const CleanOptions& asked, const TriangleSoup& prepared, ResolvedOptions& resolved, std::vector<std::string>& warnings) {
+void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedOptions& resolved, std::vector<std::string>& warnings) {
+  const TriangleSoup& prepared = capped.soup;
   const Box3 box = bounding_box(prepared);
   const double diagonal = box.diagonal(), half_shell = 0.5 * resolved.thicken.value_or(0);
   const auto band = [&](double cell) { return band_of(asked.smooth, diagonal, cell) + half_shell / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
-    double wanted = default_cell(prepared, diagonal, asked.smooth, resolved.thicken);
+    double wanted = default_cell(capped, diagonal, asked.smooth, resolved.thicken);
     if (resolved.thicken)
       wanted = std::max(std::min(wanted, *resolved.thicken / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
     resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burnish/pipeline/options.h"
+#include "burnish/surface/boundary_caps.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -18,7 +19,7 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal);
 // surface has more than a million cells, and as coarse as the memory budget asks. With
 // smoothing it need not be finer than a twelfth of that length (up to 1/150 of the diagonal). What had to give way is added to `warnings`.
 // Throws Error{memory_limit} if an explicit cell does not fit the budget, Error{usage} if a length makes no sense.
-void resolve_cell(const CleanOptions& asked, const TriangleSoup& prepared, ResolvedOptions& resolved, std::vector<std::string>& warnings);
+void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedOptions& resolved, std::vector<std::string>& warnings);
 
 // The memory that a run with this cell is expected to need, in bytes: proportional to the surface's area in cells and
 // to the band's width (calibrated in docs/benchmarks.md, rounded up), plus what the input itself takes.
