@@ -46,7 +46,7 @@ std::vector<std::uint32_t> first_copies(const TriangleSoup& soup, const std::vec
 class WallVote {
  public:
   WallVote(const TriangleSoup& soup, const std::vector<FacetKind>& kinds, const std::vector<std::uint32_t>& first)
-      : copied_(soup.facets.size(), 0), parts_(soup.facets.size()), kept_(soup.facets.size(), 0), none_(soup.facets.size(), 0),
+      : copied_(soup.facets.size(), 0), parts_(soup.facets.size()), kept_(soup.facets.size(), 0), none_(soup.facets.size(), 0), all_(soup.facets.size(), 0),
         copies_(soup.facets.size(), 0), facing_(soup.facets.size(), 0) {
     for (std::uint32_t f = 0; f < first.size(); ++f)
       if (first[f] != f) copied_[f] = copied_[first[f]] = 1;
@@ -67,6 +67,12 @@ class WallVote {
     return copied_[f] && none_[part] < kept_[part] && 2 * std::abs(facing_[part]) < copies_[part];
   }
 
+  // Bodies that overlap need a copy each.
+  bool all_are_needed(std::uint32_t f) {
+    const std::uint32_t part = parts_.find(f);
+    return copied_[f] && all_[part] < kept_[part] && 2 * std::abs(facing_[part]) >= copies_[part];
+  }
+
  private:
   void join(std::span<const EdgeUse> uses) {
     const EdgeUse* before = nullptr;
@@ -78,13 +84,14 @@ class WallVote {
   }
 
   void count(std::span<const EdgeUse> uses, const std::vector<FacetKind>& kinds, const std::vector<std::uint32_t>& first) {
-    std::size_t single = 0, firsts = 0;
+    std::size_t single = 0, firsts = 0, copies = 0;
     std::uint32_t copy = 0xffffffffu;
     for (const EdgeUse& use : uses) {
       if (!copied_[use.facet]) {
         single += kinds[use.facet] != FacetKind::degenerate;
       } else {
         copy = use.facet;
+        ++copies;
         firsts += first[use.facet] == use.facet;
       }
     }
@@ -92,6 +99,7 @@ class WallVote {
     const std::uint32_t part = parts_.find(copy);
     none_[part] += single % 2;
     kept_[part] += (single + firsts) % 2;
+    all_[part] += (single + copies) % 2;
   }
 
   static bool same_way(const Facet& f, Facet g) {
@@ -101,7 +109,7 @@ class WallVote {
 
   std::vector<char> copied_;
   UnionFind parts_;
-  std::vector<std::size_t> kept_, none_;
+  std::vector<std::size_t> kept_, none_, all_;  // edges with an odd number of facets: one copy stays, none, all
   std::vector<long> copies_, facing_;  // facets of a part, and how many more of them face one way than the other
 };
 
@@ -132,7 +140,7 @@ FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear) {
     const std::vector<std::uint32_t> first = first_copies(welded, kinds);
     WallVote vote(welded, kinds, first);
     for (std::uint32_t f = 0; f < kinds.size(); ++f) {
-      const bool wall = keep[f] && vote.is_wall(f), copy = first[f] != f;
+      const bool wall = keep[f] && vote.is_wall(f), copy = first[f] != f && !vote.all_are_needed(f);
       if (wall || copy) keep[f] = 0;
       result.walls += wall;
       result.duplicate += copy && !wall;

@@ -20,13 +20,6 @@ namespace {
 constexpr std::size_t kMostPairs = 200'000;   // of facets that intersect: more is no matter of single facets
 constexpr int kUnionRounds = 5;
 
-bool is_closed(const TriangleSoup& soup) {
-  const EdgeTable table(soup);
-  for (std::size_t e = 0; e < table.size(); ++e)
-    if (table.is_open(e)) return false;
-  return true;
-}
-
 // What goes from step to step: the soup so far, and what its facets are to the input.
 struct Progressed {
   LocalRepairResult result;
@@ -34,12 +27,16 @@ struct Progressed {
 
   // Takes a step whose sources are facets of the soup so far.
   void take(LocalRepairResult step) {
+    for (std::size_t f = 0; f < step.parent.size(); ++f) step.fills_hole[f] = result.fills_hole[step.parent[f]];
+    step.parent.clear();
     for (std::size_t f = 0; f < step.source.size(); ++f) {
       std::uint32_t& source = step.source[f];
       if (source == kNoFacet) continue;
       step.fills_hole[f] = step.fills_hole[f] || result.fills_hole[source];
       source = result.source[source];
     }
+    // Holes that stay are found by every step.
+    std::erase_if(result.holes, [](const Hole& hole) { return !hole.filled; });
     step.holes.insert(step.holes.begin(), result.holes.begin(), result.holes.end());
     step.needles_flipped += result.needles_flipped;
     step.points_split += result.points_split;
@@ -49,8 +46,9 @@ struct Progressed {
     result = std::move(step);
   }
 
-  // Rounds the points that are not the input's. What becomes a line or a point that way is left out.
-  void round_new_points(const PointTable& known) {
+  // Rounds the points that are not the input's. What becomes a line or a point that way is left out. False if
+  // there was nothing to round.
+  bool round_new_points(const PointTable& known) {
     bool moved = false;
     for (Vec3& p : result.soup.points) {
       const Vec3 r{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
@@ -58,7 +56,7 @@ struct Progressed {
       p = r;
       moved = true;
     }
-    if (!moved) return;
+    if (!moved) return false;
     FilteredFacets kept = filter_facets(weld(std::move(result.soup)), true);
     for (std::uint32_t f = 0; f < kept.source.size(); ++f) {
       result.source[f] = result.source[kept.source[f]];
@@ -67,6 +65,7 @@ struct Progressed {
     result.source.resize(kept.source.size());
     result.fills_hole.resize(kept.source.size());
     result.soup = std::move(kept.soup);
+    return true;
   }
 };
 
@@ -76,31 +75,60 @@ PointTable points_of(const TriangleSoup& soup) {
   return table;
 }
 
+// Whether every edge is run as often one way as the other: winding numbers are integers then.
+bool is_closed_chain(const TriangleSoup& soup) {
+  const EdgeTable table(soup);
+  for (std::size_t e = 0; e < table.size(); ++e) {
+    int net = 0;
+    for (const EdgeUse& use : table.uses(e)) net += use.forward ? 1 : -1;
+    if (net != 0) return false;
+  }
+  return true;
+}
+
+LocalRepairResult as_it_is(const TriangleSoup& soup) {
+  LocalRepairResult result;
+  result.soup = soup;
+  for (std::uint32_t f = 0; f < soup.facets.size(); ++f) result.source.push_back(f);
+  result.fills_hole.assign(soup.facets.size(), 0);
+  return result;
+}
+
+LocalRepairResult united(const TriangleSoup& soup, const Pairs& pairs, Progress& progress) {
+  if (pairs.size() > kMostPairs) throw Refusal{fmt::format("{} pairs of facets intersect", pairs.size())};
+  SolidUnion solid = unite(soup, pairs, progress);
+  LocalRepairResult result;
+  result.soup = std::move(solid.soup);
+  result.source = std::move(solid.source);
+  result.parent = std::move(solid.parent);
+  result.fills_hole.assign(result.source.size(), 0);
+  result.facets_cut = solid.facets_cut;
+  return result;
+}
+
 // Unites what overlaps until nothing intersects: rounding can make facets meet that did not. Where that does not end, or the
-// surface is open, what intersects is cut out.
+// surface is open, what intersects is cut out. What is a closed chain from the start is united before points are doubled.
 LocalRepairResult repair(const TriangleSoup& oriented, const LocalRepairOptions& options, Progress& progress) {
   const PointTable known = points_of(oriented);
-  Progressed state{mend(oriented, options, progress)};
-  for (int round = 0;; ++round) {
-    if (options.float32) state.round_new_points(known);
+  Progressed state{as_it_is(oriented)};
+  bool mended = !is_closed_chain(oriented);
+  if (mended) state.take(mend(oriented, options, progress));
+  for (int round = 0; round <= kUnionRounds; ++round) {
+    if (options.float32 && state.round_new_points(known)) mended = false;
     const Pairs pairs = self_intersecting_pairs(state.result.soup, progress);
-    if (pairs.empty() && round == 0) return std::move(state.result);
-    if (pairs.empty()) break;
     if (round == 0) state.pairs = pairs.size();
-    if (pairs.size() > kMostPairs) throw Refusal{fmt::format("{} pairs of facets intersect", pairs.size())};
-    if (round == kUnionRounds || !is_closed(state.result.soup)) {
-      state.take(mend_and_cut_out(state.result.soup, options, progress));
-      break;
+    if (!pairs.empty()) {
+      if (round == kUnionRounds || !is_closed_chain(state.result.soup)) {
+        state.take(mend_and_cut_out(state.result.soup, options, progress));
+        break;
+      }
+      state.take(united(state.result.soup, pairs, progress));
+      if (options.float32) state.round_new_points(known);
+      mended = false;
     }
-    const SolidUnion united = unite(state.result.soup, pairs, progress);
-    LocalRepairResult step;
-    step.soup = united.soup;
-    step.source = united.source;
-    for (const std::uint32_t f : united.parent) step.fills_hole.push_back(state.result.fills_hole[f]);
-    step.facets_cut = united.facets_cut;
-    state.take(std::move(step));
-    if (options.float32) state.round_new_points(known);
-    state.take(mend(state.result.soup, options, progress));
+    if (!mended) state.take(mend(state.result.soup, options, progress));
+    if (pairs.empty()) break;
+    mended = true;
   }
   state.result.intersecting_pairs_removed = state.pairs;
   return std::move(state.result);

@@ -75,6 +75,7 @@ def fixtures():
         "twice.stl": binary_stl(cube() + cube()[:1]),
         "crossing.stl": binary_stl(cube() + cube(offset=(0.5, 0.5, 0.5))),
         "triangle.stl": binary_stl(cube()[:1]),
+        "crossed.stl": binary_stl([((0, 0, 0), (2, 0, 0), (0, 2, 0)), ((0.5, 0.5, -1), (0.5, 0.5, 1), (1, 0.2, 1))]),
         "scattered.stl": binary_stl(scattered(60)),
         "empty.stl": b"",
         "text.stl": b"this is not a mesh\n",

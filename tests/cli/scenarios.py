@@ -545,8 +545,8 @@ def report_of_dropped_and_moved_components(box):
     expect(report["losses"]["count"] >= 2, f"losses: {report['losses']}")
     expect(report["options"]["gap"] == 0.001, f"{report['options']}")
     expect(abs(report["recentred_by"][0] - 50.5) < 0.1, f"{report['recentred_by']}")
-    local = valid_report(box, ["crossing.stl", "-o", "y.stl", "--method", "local"], code=5)
-    expect(local["method"] == "local" and "overlap" in local["failure"]["message"], f"{local['failure']}")
+    local = valid_report(box, ["crossed.stl", "-o", "y.stl", "--method", "local", "--keep-openings"], code=5)
+    expect(local["method"] == "local" and "local repair" in local["failure"]["message"], f"{local['failure']}")
 
 
 @scenario("schemas")

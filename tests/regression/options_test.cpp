@@ -94,19 +94,15 @@ TEST_F(PipelineOptions, MethodsGiveReasons) {
   EXPECT_EQ(reason(options), std::pair(rebuilt, std::string("asked for")));
 }
 
-TEST_F(PipelineOptions, OverlappingBodiesAreNotForLocalRepair) {
-  const TriangleSoup soup = merged(box({1, 1, 1}, 4, 4, 4), moved(box({1, 1, 1}, 4, 4, 4), {0.5, 0.3, 0.2}));
+TEST_F(PipelineOptions, OverlappingBodiesAreUnitedExactly) {
+  const TriangleSoup soup = merged(box({1, 1, 1}, 4, 4, 4), moved(box({1, 1, 1}, 4, 4, 4), {0.5, 0.25, 0.125}));
   const RepairReport united = run(soup);
-  expect_solid(united, 2 - 0.5 * 0.7 * 0.8);
-  EXPECT_EQ(united.method, "levelset");
-  EXPECT_NE(united.method_reason.find("overlap"), std::string::npos);
+  EXPECT_EQ(united.method, "local");
+  EXPECT_EQ(united.after.components, 1u);
+  EXPECT_NEAR(united.after.volume, 2 - 0.5 * 0.75 * 0.875, 1e-12);
+  EXPECT_GT(united.actions.facets_kept, soup.facets.size() / 2);
+  EXPECT_GT(united.actions.facets_cut, 0u);
   EXPECT_EQ(with_fate(united, "merged").size(), 2u);
-
-  const RepairReport refused = run(soup, with_method(Method::local), "none.stl");
-  expect_failure(refused, {"--method"});
-  EXPECT_NE(std::string(refused.failure->what()).find("overlap"), std::string::npos);
-  EXPECT_EQ(refused.method, "local");
-  EXPECT_FALSE(folder_.has("none.stl"));
 }
 
 // --- bodies inside bodies ---------------------------------------------------------------------------

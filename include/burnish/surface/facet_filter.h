@@ -23,7 +23,8 @@ struct FilteredFacets {
 // Of the copies of a facet one stays, or none: copies that lie back to back between two bodies are a wall inside
 // the solid, and copies that stick out are a sheet without thickness. So of each connected part of copied facets none
 // stays when that leaves fewer of its edges with an odd number of facets, and copies face both ways; the first of each
-// stays otherwise. [T-WALL-1]
+// stays otherwise. Copies that all face one way stay, all of them, where that leaves fewer such edges: bodies that overlap have
+// a facet in common. [T-WALL-1]
 FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear);
 
 }  // namespace burnish

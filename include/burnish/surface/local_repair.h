@@ -33,6 +33,7 @@ struct LocalRepairResult {
   // The facet of the input with the same three points, or kNoFacet.
   std::vector<std::uint32_t> source;
   std::vector<char> fills_hole;           // 1 for facets that fill a hole
+  std::vector<std::uint32_t> parent;      // used between steps; empty in a result
   std::vector<Hole> holes;                // largest first
   std::size_t needles_flipped = 0;        // degenerate facets taken out by flipping or collapsing
   std::size_t points_split = 0;           // copies made of points that several fans shared
