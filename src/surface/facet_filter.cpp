@@ -127,7 +127,7 @@ std::vector<FacetGroup> groups_of_kept(const std::vector<FacetGroup>& groups, co
 
 }  // namespace
 
-FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear) {
+FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear, bool drop_copies) {
   const std::vector<FacetKind> kinds = facet_kinds(welded);
   FilteredFacets result;
   std::vector<char> keep(kinds.size());
@@ -136,7 +136,7 @@ FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear) {
     keep[f] = !degenerate || (keep_collinear && !repeats_point(welded.facets[f]));
     result.degenerate += !keep[f];
   }
-  if (std::find(kinds.begin(), kinds.end(), FacetKind::duplicate) != kinds.end()) {
+  if (drop_copies && std::find(kinds.begin(), kinds.end(), FacetKind::duplicate) != kinds.end()) {
     const std::vector<std::uint32_t> first = first_copies(welded, kinds);
     WallVote vote(welded, kinds, first);
     for (std::uint32_t f = 0; f < kinds.size(); ++f) {

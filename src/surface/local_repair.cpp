@@ -86,6 +86,13 @@ bool is_closed_chain(const TriangleSoup& soup) {
   return true;
 }
 
+bool has_non_manifold_edges(const TriangleSoup& soup) {
+  const EdgeTable table(soup);
+  for (std::size_t e = 0; e < table.size(); ++e)
+    if (table.is_non_manifold(e)) return true;
+  return false;
+}
+
 LocalRepairResult as_it_is(const TriangleSoup& soup) {
   LocalRepairResult result;
   result.soup = soup;
@@ -96,7 +103,12 @@ LocalRepairResult as_it_is(const TriangleSoup& soup) {
 
 LocalRepairResult united(const TriangleSoup& soup, const Pairs& pairs, Progress& progress) {
   if (pairs.size() > kMostPairs) throw Refusal{fmt::format("{} pairs of facets intersect", pairs.size())};
-  SolidUnion solid = unite(soup, pairs, progress);
+  // Needles bound nothing; what they join is cut where they touch it.
+  const FilteredFacets proper = filter_facets(soup, false, false);
+  SolidUnion solid = unite(proper.soup, proper.source.size() == soup.facets.size() ? pairs : self_intersecting_pairs(proper.soup, progress), progress);
+  for (auto* list : {&solid.source, &solid.parent})
+    for (std::uint32_t& f : *list)
+      if (f != kNoFacet) f = proper.source[f];
   LocalRepairResult result;
   result.soup = std::move(solid.soup);
   result.source = std::move(solid.source);
@@ -107,11 +119,11 @@ LocalRepairResult united(const TriangleSoup& soup, const Pairs& pairs, Progress&
 }
 
 // Unites what overlaps until nothing intersects: rounding can make facets meet that did not. Where that does not end, or the
-// surface is open, what intersects is cut out. What is a closed chain from the start is united before points are doubled.
+// surface is open, what intersects is cut out. A closed chain that is no manifold is united before its points are doubled.
 LocalRepairResult repair(const TriangleSoup& oriented, const LocalRepairOptions& options, Progress& progress) {
   const PointTable known = points_of(oriented);
   Progressed state{as_it_is(oriented)};
-  bool mended = !is_closed_chain(oriented);
+  bool mended = !is_closed_chain(oriented) || !has_non_manifold_edges(oriented);
   if (mended) state.take(mend(oriented, options, progress));
   for (int round = 0; round <= kUnionRounds; ++round) {
     if (options.float32 && state.round_new_points(known)) mended = false;

@@ -25,6 +25,7 @@ struct FilteredFacets {
 // stays when that leaves fewer of its edges with an odd number of facets, and copies face both ways; the first of each
 // stays otherwise. Copies that all face one way stay, all of them, where that leaves fewer such edges: bodies that overlap have
 // a facet in common. [T-WALL-1]
-FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear);
+// With `drop_copies` false all copies stay.
+FilteredFacets filter_facets(const TriangleSoup& welded, bool keep_collinear, bool drop_copies = true);
 
 }  // namespace burnish
