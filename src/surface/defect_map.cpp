@@ -251,7 +251,9 @@ std::string_view name(DefectKind kind) {
 }
 
 std::span<const LocatedDefect> DefectMap::of(DefectKind kind) const {
-  return std::ranges::equal_range(defects, kind, {}, &LocatedDefect::kind);
+  const auto first = std::partition_point(defects.begin(), defects.end(), [&](const LocatedDefect& d) { return d.kind < kind; });
+  const auto behind = std::partition_point(first, defects.end(), [&](const LocatedDefect& d) { return d.kind == kind; });
+  return {first, behind};
 }
 
 DefectMap locate_defects(const TriangleSoup& welded, const Inspection& inspection) {
