@@ -105,8 +105,9 @@ std::string objection_to_union(const std::vector<FarSample>& gone, const Triangl
   return nothing > kMostEnclosingNothing * area_before ? "too much of it encloses nothing" : "";
 }
 
-// Whether points all over the box are inside both or outside both, by winding numbers: up to a small share of them.
-bool is_same_solid(const PreparedInput& prepared, const TriangleSoup& result) {
+// Whether points all over the box are inside both or outside both, by winding numbers: up to a small share of those inside, and
+// `more` of them.
+bool is_same_solid(const PreparedInput& prepared, const TriangleSoup& result, double more) {
   constexpr std::size_t kPoints = 4096;
   constexpr double kMostDisagreeing = 0.005;  // of the points that are inside
   const TriangleIndex before(prepared.capped.soup), after(result);
@@ -126,7 +127,7 @@ bool is_same_solid(const PreparedInput& prepared, const TriangleSoup& result) {
     inside += in[i] || out[i];
     differ += in[i] != out[i];
   }
-  return static_cast<double>(differ) <= std::max(2.0, kMostDisagreeing * static_cast<double>(inside));
+  return static_cast<double>(differ) <= std::max(2.0, (kMostDisagreeing + more) * static_cast<double>(inside));
 }
 
 // The places where facets changed: sets of removed and added facets that share points.
@@ -242,7 +243,8 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
     report.deviation.output_to_input = sum(moved, area_of(result, added) / after, filled, area_of(result, d.filling) / after);
   }
   report.changes = changes_of(d, welded, result);
-  if (objection.empty() && solution.united && !is_same_solid(prepared, result)) objection = "it would not be the solid that the facets enclose";
+  const double filled_share = volume_of_fillings(report.holes) / std::max(std::abs(report.after.volume), 1e-300);
+  if (objection.empty() && solution.united && !is_same_solid(prepared, result, filled_share)) objection = "it would not be the solid that the facets enclose";
   const double volume = expected_volume(prepared), allowed = kVolumeTolerance * std::abs(volume) + volume_of_fillings(report.holes);
   if (objection.empty() && !solution.united && !report.is_sheet && !(std::abs(report.after.volume - volume) <= allowed))
     objection = fmt::format("its volume of {:.6g} would not be the {:.6g} that the facets enclose", report.after.volume, volume);
