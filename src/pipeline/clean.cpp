@@ -89,6 +89,7 @@ class Run {
     begin("preparing");
     prepared_ = prepare_input(input_, inspection_.self_intersections, job_.options, report_);
     if (job_.options.thicken || job_.options.keeps_openings()) return !nothing_left();
+    if (report_.before.valid_solid() && report_.components.size() == prepared_.shells.shells.size()) return true;  // nothing was dropped
     report_.failure = reason_for_no_solid(input_, prepared_, report_.before);
     if (!report_.failure) warn_of_large_caps();
     return !report_.failure;

@@ -32,14 +32,14 @@ TriangleSoup picked(const TriangleSoup& soup, const std::vector<std::uint32_t>& 
 std::vector<std::uint32_t> facets_in_use(const PreparedInput& prepared) {
   std::vector<std::uint32_t> facets;
   for (std::uint32_t f = 0; f < prepared.oriented.facets.size(); ++f)
-    if (!prepared.absorbed[prepared.shells.of_facet[f]]) facets.push_back(f);
+    if (prepared.shell_fates[prepared.shells.of_facet[f]] == FacetFate::used) facets.push_back(f);
   return facets;
 }
 
 double expected_volume(const PreparedInput& prepared) {
   double volume = 0;
   for (std::size_t s = 0; s < prepared.shells.shells.size(); ++s)
-    if (!prepared.absorbed[s]) volume += prepared.shells.shells[s].volume;
+    if (prepared.shell_fates[s] == FacetFate::used) volume += prepared.shells.shells[s].volume;
   return volume;
 }
 
@@ -94,10 +94,13 @@ OneSidedDistance sum(const OneSidedDistance& p, double share_p, const OneSidedDi
 
 // What an exact union leaves out lies inside it, or encloses nothing: it is listed, and no solid has it. Only where much of
 // it encloses nothing, the facets may be meant otherwise.
-std::string objection_to_union(const std::vector<FarSample>& gone, const TriangleIndex& result, double area_before, RepairReport& report) {
+std::string objection_to_union(const std::vector<FarSample>& gone, const PreparedInput& prepared, const TriangleIndex& result,
+                               double area_before, RepairReport& report) {
   double nothing = 0;
+  // A cavity's wall inside another cavity has a winding number of -1/2.
+  const TriangleIndex before(gone.empty() ? TriangleSoup{} : prepared.capped.soup);
   const std::vector<Loss> losses = gather_losses(gone, report.before.box.diagonal(), [&](const FarSample& sample) -> std::string {
-    if (result.winding_number(sample.at) > 0.5) return std::string(reason(FacetFate::absorbed));
+    if (result.winding_number(sample.at) > 0.5 || before.winding_number(sample.at) < -0.25) return std::string(reason(FacetFate::absorbed));
     nothing += sample.area;
     return "encloses nothing";
   });
@@ -230,7 +233,7 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
     report.deviation.input_to_output = sum(lost, area_of(welded, d.removed) / before, left, area_of(welded, d.left_out) / before);
     report.losses = gather_losses(far, report.before.box.diagonal(), [&](const FarSample& sample) { return std::string(reason(prepared.fates[d.left_out[sample.facet]])); });
     if (solution.united)
-      objection = objection_to_union(gone_far, index, before, report);
+      objection = objection_to_union(gone_far, prepared, index, before, report);
     else if (lost.max > tolerance)
       objection = fmt::format("{:.3g} away from the result something of the input would be lost", lost.max);
   }

@@ -66,7 +66,7 @@ class Preparation {
     join_open_edges();
     orient_facets();
     PreparedInput result;
-    if (!options_.keeps_openings() && !options_.thicken) leave_out_sheets();
+    if (!options_.keeps_openings() && !options_.thicken && !report_.before.valid_solid()) leave_out_sheets();
     cap(result);
     find_overlaps(result, intersecting);
     settle_nesting(result);
@@ -160,7 +160,14 @@ class Preparation {
     return dot(now, then) < 0;
   }
 
-  // Outermost shells face outwards; what crosses others is part of a union. What lies inside another keeps the orientation it has in the file relative to the
+  // Whether a shell crosses, perhaps through others, an outermost one around it: then it is a part of that body.
+  bool crosses_its_root(const std::vector<Shell>& shells, std::uint32_t s) {
+    return std::any_of(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) {
+      return shells[a.first].around.empty() && bodies_.find(a.first) == bodies_.find(s);
+    });
+  }
+
+  // Outermost shells face outwards; what crosses them is part of a union. What lies inside another keeps the orientation it has in the file relative to the
   // outermost shell around it, or gets the one that is asked for. [T-NEST-1]
   void settle_nesting(PreparedInput& result) {
     const std::vector<char> turned = turned_shells(result);
@@ -170,7 +177,7 @@ class Preparation {
     for (std::uint32_t s = 0; s < shells.size(); ++s)
       if (shells[s].closed && outermost(s)) turn[s] = shells[s].volume < 0;
     for (std::uint32_t s = 0; s < shells.size(); ++s) {
-      if (!shells[s].closed || outermost(s) || crossed_[s]) continue;
+      if (!shells[s].closed || outermost(s) || crosses_its_root(shells, s)) continue;
       bool outwards = shells[s].volume > 0;
       if (options_.nesting == Nesting::cavity) {
         outwards = shells[s].around.size() % 2 == 0;
@@ -206,11 +213,19 @@ class Preparation {
     std::vector<char> drop(shells.size(), 0);
     std::vector<ComponentFate> fates;
     const auto kept = static_cast<std::uint32_t>(std::find(volume.begin(), volume.end(), largest) - volume.begin());
+    const auto is_cavity = [&](const Shell& shell) { return shell.volume < 0 && shell.wrapped == 1; };
     for (std::uint32_t s = 0; s < shells.size(); ++s) {
-      const bool inside_kept = std::any_of(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a) { return bodies_.find(a.first) == kept; });
       const bool small = volume[bodies_.find(s)] < least;
-      drop[s] = small || (options_.keep_largest && bodies_.find(s) != kept && !inside_kept);
+      drop[s] = !is_cavity(shells[s]) && (small || (options_.keep_largest && bodies_.find(s) != kept));
       fates.push_back(fate_of(shells[s], "dropped", small ? "smaller than --min-component" : "not the largest component"));
+    }
+    // A cavity goes with the body around it: the smallest of the shells that are.
+    for (std::uint32_t s = 0; s < shells.size(); ++s) {
+      if (!is_cavity(shells[s])) continue;
+      const auto closest = std::min_element(shells[s].around.begin(), shells[s].around.end(), [&](const auto& a, const auto& b) {
+        return std::abs(shells[a.first].volume) < std::abs(shells[b.first].volume);
+      });
+      drop[s] = drop[closest->first];
     }
     count_facets(result.shells, fates);
     for (std::size_t s = 0; s < shells.size(); ++s)
@@ -254,8 +269,9 @@ class Preparation {
   void find_absorbed(PreparedInput& result) const {
     for (std::size_t s = 0; s < result.shells.shells.size(); ++s) {
       const Shell& shell = result.shells.shells[s];
-      const int inside = shell.wrapped + (shell.volume > 0 ? 1 : -1);
-      result.absorbed.push_back(shell.closed && !crossed_[s] && !shell.around.empty() && (shell.wrapped >= 1) == (inside >= 1));
+      const bool outside = shell.wrapped >= 1, inside = shell.wrapped + (shell.volume > 0 ? 1 : -1) >= 1;
+      const bool alone = shell.closed && !crossed_[s] && !shell.around.empty();
+      result.shell_fates.push_back(!alone || outside != inside ? FacetFate::used : inside ? FacetFate::absorbed : FacetFate::nothing);
     }
   }
 
@@ -277,8 +293,10 @@ class Preparation {
     std::vector<ComponentFate> fates;
     for (std::size_t s = 0; s < result.shells.shells.size(); ++s) {
       const Shell& shell = result.shells.shells[s];
-      if (result.absorbed[s])
+      if (result.shell_fates[s] == FacetFate::absorbed)
         fates.push_back(fate_of(shell, "absorbed", "lies inside the solid"));
+      else if (result.shell_fates[s] == FacetFate::nothing)
+        fates.push_back(fate_of(shell, "lost", "encloses nothing"));
       else if (crossed_[s])
         fates.push_back(fate_of(shell, "merged", "overlaps other components"));
       else if (shell.closed && shell.wrapped > 0 && shell.volume < 0)
@@ -296,7 +314,7 @@ class Preparation {
   void tell_fates(PreparedInput& result) const {
     result.fates.assign(welded_.facets.size(), FacetFate::useless);
     for (std::size_t f = 0; f < source_.size(); ++f)
-      result.fates[source_[f]] = result.absorbed[result.shells.of_facet[f]] ? FacetFate::absorbed : FacetFate::used;
+      result.fates[source_[f]] = result.shell_fates[result.shells.of_facet[f]];
     for (const auto& [f, fate] : removed_) result.fates[f] = fate;
   }
 
@@ -328,6 +346,7 @@ std::string_view reason(FacetFate fate) {
   switch (fate) {
     case FacetFate::useless: return "a copy, or without an area";
     case FacetFate::absorbed: return "inside the solid";
+    case FacetFate::nothing: return "encloses nothing";
     case FacetFate::sheet: return "a sheet without thickness";
     case FacetFate::dropped: return "a component that was not wanted";
     case FacetFate::used: break;
@@ -359,6 +378,8 @@ void tell_holes(const PreparedInput& prepared, RepairReport& report) {
 
 std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const PreparedInput& prepared, const Defects& before) {
   const double input_area = area(welded);
+  if (prepared.oriented.facets.empty() && std::find(prepared.fates.begin(), prepared.fates.end(), FacetFate::dropped) != prepared.fates.end())
+    return Error(ErrorCode::guarantee_unmet, "nothing is left: every component is smaller than --min-component", "choose a smaller --min-component");
   if (prepared.oriented.facets.empty() || input_area <= 0)
     return Error(ErrorCode::guarantee_unmet, fmt::format("no solid: none of the {} facets has an area", welded.facets.size()),
                  "re-export the model; every facet in this file is a line or a point");

@@ -23,6 +23,7 @@ enum class FacetFate : std::uint8_t {
   useless,   // repeats a point, a copy, a wall between two bodies
   absorbed,  // of a component inside the solid
   sheet,     // of a component without thickness
+  nothing,   // of a component that encloses nothing: the solid is on neither of its sides
   dropped,   // of a component that is not wanted
 };
 
@@ -35,7 +36,7 @@ struct PreparedInput {
   std::vector<FacetFate> fates;        // of the input's facets
   CappedSoup capped;                   // `oriented` with a cap on every loop
   Shells shells;                       // of the capped soup
-  std::vector<char> absorbed;          // shells that lie within the solid, wholly and touching nothing
+  std::vector<FacetFate> shell_fates;  // used; absorbed, or nothing, for shells that touch no other and bound no solid
   bool bodies_overlap = false;         // facets of different shells intersect
 };
 

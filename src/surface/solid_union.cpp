@@ -156,30 +156,52 @@ class Arrangement {
       else
         mesh.insert_constraint(plane.flat(p), plane.flat(q));
     }
-    for (auto face = mesh.finite_faces_begin(); face != mesh.finite_faces_end(); ++face) {
-      const std::array<Point2, 3> c{face->vertex(0)->point(), face->vertex(1)->point(), face->vertex(2)->point()};
-      std::uint32_t parent = kNoFacet;
-      const int jump = coverage(plane, facets, CGAL::centroid(c[0], c[1], c[2]), parent);
-      if (jump == 0) continue;
-      Piece piece{{number(plane.lifted(c[0])), number(plane.lifted(c[1])), number(plane.lifted(c[2]))}, jump, cluster, kNoFacet, parent};
+    std::vector<std::array<Point2, 3>> faces;
+    for (auto face = mesh.finite_faces_begin(); face != mesh.finite_faces_end(); ++face)
+      faces.push_back({face->vertex(0)->point(), face->vertex(1)->point(), face->vertex(2)->point()});
+    const std::vector<Coverage> coverages = cover(plane, facets, faces);
+    for (std::size_t i = 0; i < faces.size(); ++i) {
+      if (coverages[i].jump == 0) continue;
+      const auto& c = faces[i];
+      Piece piece{{number(plane.lifted(c[0])), number(plane.lifted(c[1])), number(plane.lifted(c[2]))}, coverages[i].jump, cluster, kNoFacet,
+                  coverages[i].parent};
       if (!plane.faces_axis()) std::swap(piece.points[1], piece.points[2]);
-      if (facets.size() == 1 && mesh.number_of_faces() == 1) piece.source = facets[0];
+      if (facets.size() == 1 && faces.size() == 1) piece.source = facets[0];
       pieces_.push_back(piece);
     }
   }
 
-  // How many of the facets cover the point facing the cluster's way, minus those facing the other.
-  int coverage(const Projection& plane, const std::vector<std::uint32_t>& facets, const Point2& at, std::uint32_t& parent) const {
-    int sum = 0;
-    for (const std::uint32_t f : facets) {
-      const Kernel::Triangle_3 t = triangle(f);
-      const Point2 a = plane.flat(t[0]), b = plane.flat(t[1]), c = plane.flat(t[2]);
-      const auto turn = CGAL::orientation(a, b, c);
-      if (CGAL::orientation(a, b, at) != turn || CGAL::orientation(b, c, at) != turn || CGAL::orientation(c, a, at) != turn) continue;
-      parent = f;
-      sum += (turn == CGAL::COUNTERCLOCKWISE) == plane.faces_axis() ? 1 : -1;
+  // How many of the facets cover a face facing the cluster's way, minus those facing the other; and one that does.
+  struct Coverage {
+    int jump = 0;
+    std::uint32_t parent = kNoFacet;
+  };
+
+  // Every facet looks at the faces whose centres are in its box.
+  std::vector<Coverage> cover(const Projection& plane, const std::vector<std::uint32_t>& facets, const std::vector<std::array<Point2, 3>>& faces) {
+    std::vector<Point2> centers;
+    std::vector<Vec3> approximate;
+    for (const auto& c : faces) {
+      centers.push_back(CGAL::centroid(c[0], c[1], c[2]));
+      approximate.push_back({CGAL::to_double(centers.back().x()), CGAL::to_double(centers.back().y()), 0});
     }
-    return sum;
+    const PointColumns columns(approximate);
+    std::vector<Coverage> result(faces.size());
+    for (const std::uint32_t f : facets) {
+      progress_.check();
+      const Kernel::Triangle_3 t = triangle(f);
+      const std::array<Point2, 3> c{plane.flat(t[0]), plane.flat(t[1]), plane.flat(t[2])};
+      const auto turn = CGAL::orientation(c[0], c[1], c[2]);
+      Box3 box;
+      for (const Point2& p : c) box.extend(Vec3{CGAL::to_double(p.x()), CGAL::to_double(p.y()), 0});
+      columns.for_each_in(box, [&](std::uint32_t i) {
+        for (std::size_t k = 0; k < 3; ++k)
+          if (CGAL::orientation(c[k], c[(k + 1) % 3], centers[i]) != turn) return;
+        result[i].jump += (turn == CGAL::COUNTERCLOCKWISE) == plane.faces_axis() ? 1 : -1;
+        result[i].parent = f;
+      });
+    }
+    return result;
   }
 
   // One number per point of space; those of the input keep theirs.

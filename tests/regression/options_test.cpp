@@ -94,6 +94,61 @@ TEST_F(PipelineOptions, MethodsGiveReasons) {
   EXPECT_EQ(reason(options), std::pair(rebuilt, std::string("asked for")));
 }
 
+TriangleSoup block(double at, double side) { return moved(scaled(cube(), side), {at, at, at}); }
+
+// Two cavities that overlap each other, in a file that is right and in one that is inside out.
+TEST_F(PipelineOptions, CavitiesThatOverlapStayCavities) {
+  const TriangleSoup soup = merged(block(0, 20), flipped(merged(block(4, 6), block(8, 6))));
+  for (const TriangleSoup& in : {soup, flipped(soup)}) expect_solid(run(in), 8000 - 216 - 216 + 8, 2, 1e-6);
+  CleanOptions solid;
+  solid.nesting = Nesting::solid;
+  expect_solid(run(soup, solid), 8000, 1, 1e-9);
+}
+
+// What encloses nothing is no part of the solid, and is told as lost.
+TEST_F(PipelineOptions, ADoubledCavityWallIsLostAloud) {
+  const RepairReport report = run(merged(merged(block(0, 20), flipped(block(2, 16))), merged(flipped(block(3, 14)), block(6, 8))));
+  EXPECT_TRUE(report.verified);
+  EXPECT_FALSE(report.losses.empty());
+  EXPECT_FALSE(report.warnings.empty());
+}
+
+// However thin or many: what is valid is not judged for its shape.
+TEST_F(PipelineOptions, ThinSolidsThatAreValidComeBack) {
+  const TriangleSoup plate = mapped(cube(), [](const Vec3& p) { return Vec3{100 * p.x, 100 * p.y, 1e-4 * p.z}; });
+  EXPECT_TRUE(run(plate).verified);
+  TriangleSoup chips;
+  for (int i = 0; i < 40; ++i)
+    for (int j = 0; j < 40; ++j)
+      chips = merged(chips, mapped(cube(), [&](const Vec3& p) { return Vec3{10 * p.x + 11 * i, 10 * p.y + 11 * j, 0.05 * p.z}; }));
+  const RepairReport report = run(chips);
+  EXPECT_TRUE(report.verified);
+  EXPECT_EQ(report.after.components, 1600u);
+}
+
+TEST_F(PipelineOptions, CavitiesGoWithTheirBody) {
+  const TriangleSoup soup = merged(block(0, 10), flipped(block(4, 1)));
+  CleanOptions options;
+  options.min_component = VolumeLimit{2, false};
+  expect_solid(run(soup, options), 999, 2, 1e-9);
+  options.min_component = VolumeLimit{1e9, false};
+  EXPECT_TRUE(run(soup, options).failure);
+  CleanOptions largest;
+  largest.keep_largest = true;
+  const RepairReport report = run(merged(merged(block(0, 20), flipped(block(2, 16))), block(6, 8)), largest);
+  EXPECT_TRUE(report.verified);
+  EXPECT_NEAR(report.after.volume, 8000 - 4096, 1e-9);
+}
+
+// Fine tessellations of faces in common planes: nearly linear in their facets.
+TEST_F(PipelineOptions, CoplanarFacesAreUnited) {
+  const TriangleSoup fine = scaled(box({1, 1, 1}, 24, 24, 24), 10);
+  const RepairReport report = run(merged(fine, moved(fine, {3.375, 1.125, 0})));
+  EXPECT_EQ(report.method, "local");
+  EXPECT_NEAR(report.after.volume, 2000 - 6.625 * 8.875 * 10, 1e-6);
+  EXPECT_EQ(report.after.components, 1u);
+}
+
 TEST_F(PipelineOptions, OverlappingBodiesAreUnitedExactly) {
   const TriangleSoup soup = merged(box({1, 1, 1}, 4, 4, 4), moved(box({1, 1, 1}, 4, 4, 4), {0.5, 0.25, 0.125}));
   const RepairReport united = run(soup);
