@@ -130,7 +130,6 @@ class Run {
 
   bool try_local(CleanedOutput& output, std::string& why_not) {
     begin("repairing locally");
-    const std::vector<Hole> holes = report_.holes;
     const bool fine = is_fine_as_it_is();
     std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, stores_float32(output.format()), report_, progress_, why_not);
     if (!solution) return false;

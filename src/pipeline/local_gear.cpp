@@ -19,7 +19,6 @@ namespace {
 constexpr double kVolumeTolerance = 0.02;   // of the prepared input's volume
 constexpr double kMostEnclosingNothing = 0.05;  // of the area
 constexpr double kFillingDiffers = 0.25;    // of the width of a hole: how far apart two fillings may be
-constexpr std::size_t kMostChanges = 1000;  // listed
 
 TriangleSoup picked(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
   TriangleSoup part;
