@@ -36,19 +36,7 @@ TriangleSoup bowl(int level) {
 
 // n x n squares over [0, 1]^2 with waves of this height.
 TriangleSoup terrain(int n, double height) {
-  TriangleSoup soup;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) {
-      const double x = 1.0 * i / n, y = 1.0 * j / n;
-      soup.points.push_back({x, y, height * std::sin(2 * kPi * x) * std::cos(2 * kPi * y)});
-    }
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i + (n + 1) * j); };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      soup.facets.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      soup.facets.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return soup;
+  return height_field(n, [=](int i, int j) { return height * std::sin(2 * kPi * (1.0 * i / n)) * std::cos(2 * kPi * (1.0 * j / n)); });
 }
 
 // Its open edges, each as a facet without an area: distances to it are distances to the rim.

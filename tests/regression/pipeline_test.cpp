@@ -97,16 +97,7 @@ TriangleSoup without_facets_where(const TriangleSoup& soup, const std::function<
 
 // n x n squares in the plane z = 0.
 TriangleSoup sheet(int n) {
-  TriangleSoup soup;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) soup.points.push_back({1.0 * i / n, 1.0 * j / n, 0.1 * std::sin(3.0 * i / n)});
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i + (n + 1) * j); };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      soup.facets.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      soup.facets.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return soup;
+  return height_field(n, [n](int i, int) { return 0.1 * std::sin(3.0 * i / n); });
 }
 
 TriangleSoup noisy_sphere(int level, double sigma, std::uint64_t seed) {

@@ -78,6 +78,19 @@ TriangleSoup torus(int n, int m) {
   return soup;
 }
 
+TriangleSoup height_field(int n, const std::function<double(int, int)>& z) {
+  TriangleSoup soup;
+  for (int j = 0; j <= n; ++j)
+    for (int i = 0; i <= n; ++i) soup.points.push_back({1.0 * i / n, 1.0 * j / n, z(i, j)});
+  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i + (n + 1) * j); };
+  for (int j = 0; j < n; ++j)
+    for (int i = 0; i < n; ++i) {
+      soup.facets.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
+      soup.facets.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
+    }
+  return soup;
+}
+
 TriangleSoup unwelded(const TriangleSoup& soup) {
   TriangleSoup result;
   result.groups = soup.groups;

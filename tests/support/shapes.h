@@ -22,6 +22,8 @@ TriangleSoup torus(int n, int m);
 // Three points of its own for each facet.
 TriangleSoup unwelded(const TriangleSoup& soup);
 // Inside out.
+// n x n squares, two facets each, over the unit square: facing up, with height z(i, j) at grid point (i / n, j / n).
+TriangleSoup height_field(int n, const std::function<double(int, int)>& z);
 TriangleSoup flipped(TriangleSoup soup);
 TriangleSoup with_flipped_facet(TriangleSoup soup, std::size_t facet);
 TriangleSoup with_copied_facet(TriangleSoup soup, std::size_t facet);

@@ -26,16 +26,7 @@ TEST(Thickness, OfABallIsItsDiameter) {
 }
 
 TriangleSoup wavy_sheet(int n) {
-  TriangleSoup soup;
-  for (int j = 0; j <= n; ++j)
-    for (int i = 0; i <= n; ++i) soup.points.push_back({1.0 * i / n, 1.0 * j / n, 0.1 * ((i * 7 + j * 3) % 5)});
-  const auto at = [&](int i, int j) { return static_cast<std::uint32_t>(i + (n + 1) * j); };
-  for (int j = 0; j < n; ++j)
-    for (int i = 0; i < n; ++i) {
-      soup.facets.push_back({at(i, j), at(i + 1, j), at(i + 1, j + 1)});
-      soup.facets.push_back({at(i, j), at(i + 1, j + 1), at(i, j + 1)});
-    }
-  return soup;
+  return height_field(n, [](int i, int j) { return 0.1 * ((i * 7 + j * 3) % 5); });
 }
 
 // Between the sheet and its floor stands the volume below the sheet; what is added goes on outwards by `outwards`.
