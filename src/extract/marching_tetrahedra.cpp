@@ -44,7 +44,7 @@ bool all_touched(LocalNode n, int margin, Check&& check) {
 }
 
 // Fills a dense halo of byte fields, `outside` where no leaf of the same level is.
-void gather_bytes(const Octree& tree, const std::vector<std::uint8_t>& field, std::size_t leaf, std::uint8_t outside,
+void gather_bytes(const Octree& tree, const Field<std::uint8_t>& field, std::size_t leaf, std::uint8_t outside,
                   std::uint8_t* dense) {
   if (field.empty()) {
     std::fill_n(dense, LatticeView::kNodes, outside);
@@ -56,7 +56,7 @@ void gather_bytes(const Octree& tree, const std::vector<std::uint8_t>& field, st
     const auto begin = [](int d) { return d < 0 ? -w : d > 0 ? kBlockSide : 0; };
     const auto end = [](int d) { return d < 0 ? 0 : d > 0 ? kBlockSide + w : kBlockSide; };
     const bool same = tree.neighbor_kind(leaf, dir) == NeighborKind::same;
-    const std::uint8_t* source = same ? field.data() + tree.neighbor(leaf, dir) * kBlockNodes : nullptr;
+    const std::uint8_t* source = same ? field.block(tree.neighbor(leaf, dir)) : nullptr;
     for (int k = begin(dz); k < end(dz); ++k)
       for (int j = begin(dy); j < end(dy); ++j)
         for (int i = begin(dx); i < end(dx); ++i)
@@ -88,8 +88,8 @@ class Extractor {
     std::array<T, LatticeView::kNodes> values;
     gather(tree_, set_.phi, leaf, LatticeView::kWidth, values.data());
     std::copy(values.begin(), values.end(), view.phi.begin());
-    gather_bytes(tree_, moves_.values, leaf, kStays, view.move.data());
-    gather_bytes(tree_, marked_plain().values, leaf, 0, view.plain.data());
+    gather_bytes(tree_, moves_, leaf, kStays, view.move.data());
+    gather_bytes(tree_, marked_plain(), leaf, 0, view.plain.data());
   }
   const Field<std::uint8_t>& marked_plain() const {
     static const Field<std::uint8_t> none;
@@ -162,8 +162,9 @@ class Extractor {
 
   // Moves nodes to near crossings, then takes back what breaks the lattice until nothing does.
   void move_nodes() {
-    Field<Move> wanted(tree_.size(), kStays);
+    Field<Move> wanted = Field<Move>::like(set_.phi, kStays, kStays);
     for_leaves(owners_, [&](std::size_t, std::uint32_t leaf, const LatticeView& view) {
+      if (!wanted.stores(leaf)) return;  // far from the surface
       for (std::size_t n = 0; n < kBlockNodes; ++n)
         if (may_move(leaf, local_node(n))) wanted.block(leaf)[n] = best_move(view, local_node(n));
     });
@@ -401,7 +402,7 @@ template ExtractedSurface extract_surface(const BasicLevelSet<float>&, const Ext
 template ExtractedSurface extract_surface(const BasicLevelSet<double>&, const ExtractOptions&, Progress&);
 
 void mark_plain(const Octree& tree, const std::vector<VertexOrigin>& vertices, PlainNodes& plain) {
-  if (plain.marked.values.empty()) plain.marked = Field<std::uint8_t>(tree.size(), 0);
+  if (plain.marked.empty()) plain.marked = Field<std::uint8_t>(tree.size(), 0);
   for (const VertexOrigin& v : vertices) {
     const LocalNode n = local_node(v.node);
     for (int dz = -1; dz <= 2; ++dz)

@@ -33,7 +33,7 @@ Vec3 crossing_between(const ValuedNode& a, const ValuedNode& b) {
 // Whether a node of the domain is stored, and marked.
 bool is_marked(const Octree& tree, const Field<std::uint8_t>& marked, const LatticeNode& n) {
   const auto side = static_cast<std::int32_t>(tree.side()) * kBlockSide;
-  if (marked.values.empty() || n.x >= side || n.y >= side || n.z >= side) return false;
+  if (marked.empty() || n.x >= side || n.y >= side || n.z >= side) return false;
   const auto block = [](std::int32_t x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
   const std::uint32_t leaf = tree.find({block(n.x), block(n.y), block(n.z)});
   const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);

@@ -30,7 +30,7 @@ class AxisView {
     double longest = 0, extent = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 e = v[(i + 1) % 3] - v[i];
-      const double length = std::sqrt(e[u_] * e[u_] + e[w_] * e[w_]);
+      const double length = std::abs(e[u_]) + std::abs(e[w_]);  // in the sum norm
       slack_[i] = kTouching * length;
       longest = std::max(longest, length);
       extent = std::max({extent, std::abs(v[i].x), std::abs(v[i].y), std::abs(v[i].z)});
@@ -90,7 +90,9 @@ void for_each_crossing(const TriangleSoup& soup, const SurfaceOctree& grid, std:
                        Visit&& visit) {
   const LatticeNode corner = lattice_node(grid.octree, leaf, 0, 0, 0);
   const Vec3 base{static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
-  const std::array<Vec3, 3> v{soup.corner(facet, 0) - base, soup.corner(facet, 1) - base, soup.corner(facet, 2) - base};
+  const double cell = static_cast<double>(1u << grid.octree.level(leaf));
+  const auto local = [&](int i) { return (soup.corner(facet, i) - base) / cell; };
+  const std::array<Vec3, 3> v{local(0), local(1), local(2)};
   const Vec3 low = min(min(v[0], v[1]), v[2]), high = max(max(v[0], v[1]), v[2]);
   for (int a = 0; a < 3; ++a)
     if (low[a] > kBlockSide + kTouching || high[a] < -kTouching) return;
@@ -118,21 +120,28 @@ void for_each_near_leaf(const SurfaceOctree& grid, Progress& progress, PerLeaf&&
   });
 }
 
-// The value at the next node along an axis; near blocks have neighbours of their own level there.
-std::uint8_t next_value(const SurfaceOctree& grid, const Field<std::uint8_t>& field, std::size_t leaf,
-                        std::array<int, 3> at, int axis) {
-  const auto a = static_cast<std::size_t>(axis);
-  if (++at[a] < kBlockSide) return field.block(leaf)[node_index(at[0], at[1], at[2])];
-  at[a] = 0;
-  const int dir = direction(axis == 0, axis == 1, axis == 2);
-  if (grid.octree.neighbor_kind(leaf, dir) != NeighborKind::same) return 0;
-  return field.block(grid.octree.neighbor(leaf, dir))[node_index(at[0], at[1], at[2])];
+// Per node three bits like those of `crossed`: crossed edges with both ends on one side. False if there are none.
+bool find_idle_edges(const SurfaceOctree& grid, const Field<std::uint8_t>& crossed, const Field<std::uint8_t>& inside, std::size_t leaf,
+                     std::array<std::uint8_t, kBlockNodes>& idle) {
+  const std::uint8_t* bits = crossed.block(leaf);
+  const std::uint8_t* in = inside.block(leaf);
+  std::uint8_t any = 0;
+  for (std::size_t n = 0; n < kBlockNodes; ++n) {
+    idle[n] = 0;
+    for (int axis = 0; bits[n] >> axis != 0; ++axis) {
+      if (!(bits[n] >> axis & 1)) continue;
+      const StoredNode end = next_node(grid.octree, leaf, n, axis);
+      if (end.leaf != Octree::kNone && inside.block(end.leaf)[end.node] == in[n]) idle[n] |= static_cast<std::uint8_t>(1u << axis);
+    }
+    any |= idle[n];
+  }
+  return any != 0;
 }
 
 }  // namespace
 
 Field<std::uint8_t> crossed_edges(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, Progress& progress) {
-  Field<std::uint8_t> crossed(grid.octree.size(), 0);
+  Field<std::uint8_t> crossed = field_over<std::uint8_t>(grid, 0, 0);
   for_each_near_leaf(grid, progress, [&](std::size_t leaf) {
     std::uint8_t* bits = crossed.block(leaf);
     for (const std::uint32_t f : grid.facets_of(leaf))
@@ -143,16 +152,33 @@ Field<std::uint8_t> crossed_edges(const TriangleSoup& lattice_soup, const Surfac
   return crossed;
 }
 
+std::vector<char> facets_across_idle_edges(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
+                                           const Field<std::uint8_t>& crossed, const Field<std::uint8_t>& inside, Progress& progress) {
+  std::vector<char> found(lattice_soup.facets.size(), 0);
+  for_each_near_leaf(grid, progress, [&](std::size_t leaf) {
+    std::array<std::uint8_t, kBlockNodes> idle;
+    if (!find_idle_edges(grid, crossed, inside, leaf, idle)) return;
+    for (const std::uint32_t f : grid.facets_of(leaf))
+      for_each_crossing(lattice_soup, grid, leaf, f, [&](const std::array<int, 3>& at, int axis) {
+        if (idle[node_index(at[0], at[1], at[2])] >> axis & 1) std::atomic_ref<char>(found[f]).store(1, std::memory_order_relaxed);
+      });
+  });
+  return found;
+}
+
 std::vector<FacetSides> facet_sides(const TriangleSoup& lattice_soup, const SurfaceOctree& grid,
-                                    const Field<std::uint8_t>& inside, Progress& progress) {
+                                    const Field<std::uint8_t>& inside, const std::vector<char>& wanted, Progress& progress) {
   // One byte of flags a facet; blocks that share a facet only ever set bits, so order does not matter.
   std::vector<std::uint8_t> flags(lattice_soup.facets.size(), 0);
   for_each_near_leaf(grid, progress, [&](std::size_t leaf) {
     for (const std::uint32_t f : grid.facets_of(leaf)) {
+      if (!wanted[f]) continue;
       std::uint8_t seen = 0;
       for_each_crossing(lattice_soup, grid, leaf, f, [&](const std::array<int, 3>& at, int axis) {
-        const bool here = inside.block(leaf)[node_index(at[0], at[1], at[2])] != 0;
-        const bool next = next_value(grid, inside, leaf, at, axis) != 0;
+        const std::size_t node = node_index(at[0], at[1], at[2]);
+        const StoredNode end = next_node(grid.octree, leaf, node, axis);
+        if (end.leaf == Octree::kNone) return;
+        const bool here = inside.block(leaf)[node] != 0, next = inside.block(end.leaf)[end.node] != 0;
         seen |= static_cast<std::uint8_t>(here != next ? 1 : here ? 2 : 4);
       });
       if (seen) std::atomic_ref<std::uint8_t>(flags[f]).fetch_or(seen, std::memory_order_relaxed);

@@ -11,27 +11,12 @@
 namespace burnish {
 namespace {
 
-using detail::PreparedTriangle;
-
-struct NodeRange {
-  int begin, end;
-};
-
-// Nodes of one axis of a block within `band` of [low, high].
-NodeRange nodes_within(double low, double high, double band) {
-  const int begin = static_cast<int>(std::ceil(std::max(low - band, 0.0)));
-  const int end = static_cast<int>(std::floor(std::min(high + band, kBlockSide - 1.0))) + 1;
-  return {begin, end};
-}
-
-double distance_to_range(double x, double low, double high) { return std::max({low - x, x - high, 0.0}); }
-
 Vec3 swapped(Vec3 v, int axis) {
   std::swap(v.x, v[axis]);
   return v;
 }
 
-// One block while facets are scattered to its nodes.
+// One leaf while facets are scattered to its nodes.
 //
 // Rows of eight nodes run along the axis to which the surface is most parallel, so that a row's nodes are about equally
 // far from it and whole rows can be skipped: a facet whose box is farther from the row than the farthest of the row's
@@ -39,110 +24,101 @@ Vec3 swapped(Vec3 v, int axis) {
 // swapped.
 class BlockScatter {
  public:
-  // The nodes of a leaf; `band` in its cells.
-  BlockScatter(const TriangleSoup& soup, const Octree& tree, std::size_t leaf, double band)
-      : soup_(soup), cell_(static_cast<double>(1u << tree.level(leaf))), band_(band) {
-    const LatticeNode corner = lattice_node(tree, leaf, 0, 0, 0);
-    base_ = {static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
-    squared_.fill(band * band);
-    id_.fill(static_cast<double>(kNoFacet));
-    row_max_.fill(band * band);
-  }
+  explicit BlockScatter(const TriangleSoup& soup) : soup_(soup) {}
 
-  void run(std::span<const std::uint32_t> facets, const std::vector<char>& active) {
-    choose_axis(facets);
+  // Distances of a leaf's nodes to the facets, as far as they are at most `band` of the leaf's cells.
+  void run(const Octree& tree, std::size_t leaf, std::span<const std::uint32_t> facets, double band, const std::vector<char>& active) {
+    const LatticeNode corner = lattice_node(tree, leaf, 0, 0, 0);
+    cell_ = static_cast<double>(1u << tree.level(leaf));
+    base_ = {static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
+    items_.clear();
     for (const std::uint32_t f : facets)
       if (active.empty() || active[f]) add(f);
+    swap_axis();
+    block_.reset(band * band, static_cast<double>(kNoFacet));
     // Near rows first: they bring the distances down against which far rows are then skipped.
-    scatter(std::min(1.0, band_));
-    scatter(band_);
+    detail::scatter(items_.data(), items_.size(), std::min(kFirstReach, band), block_);
+    detail::scatter(items_.data(), items_.size(), band, block_);
   }
 
-  void store(double* squared, std::uint32_t* nearest) const {
-    const std::array<std::size_t, 3> stride{1, kBlockSide, kBlockSide * kBlockSide};
-    const std::size_t sx = stride[static_cast<std::size_t>(axis_)], sa = axis_ == 1 ? 1 : stride[1], sb = axis_ == 2 ? 1 : stride[2];
-    std::size_t n = 0;
-    for (std::size_t k = 0; k < kBlockSide; ++k)
-      for (std::size_t j = 0; j < kBlockSide; ++j)
-        for (std::size_t i = 0; i < kBlockSide; ++i, ++n) {
-          const std::size_t to = i * sx + j * sa + k * sb;
-          squared[to] = squared_[n] * (cell_ * cell_);
-          nearest[to] = static_cast<std::uint32_t>(id_[n]);
-        }
+  // The results: squared distances in finest cells, and the facets.
+  void store_squared(double* squared) const {
+    store(block_.squared, [&](std::size_t to, double d2) { squared[to] = d2 * (cell_ * cell_); });
+  }
+  void store_nearest(std::uint32_t* nearest) const {
+    store(block_.id, [&](std::size_t to, double id) { nearest[to] = static_cast<std::uint32_t>(id); });
   }
 
  private:
-  struct Item {
-    PreparedTriangle triangle;
-    Vec3 low, high;
-    double facet;
-  };
+  static constexpr double kFirstReach = 0.5;  // cells
 
-  void choose_axis(std::span<const std::uint32_t> facets) {
+  void add(std::uint32_t f) {
+    const auto local = [&](int i) { return (soup_.corner(f, i) - base_) / cell_; };
+    const Vec3 a = local(0), b = local(1), c = local(2);
+    items_.push_back({{a, b, c}, min(min(a, b), c), max(max(a, b), c), static_cast<double>(f)});
+  }
+
+  void swap_axis() {
     Vec3 across;
-    for (const std::uint32_t f : facets) {
-      const Vec3 n = facet_normal_2a(soup_, f);
+    for (const detail::ScatterItem& item : items_) {
+      const Vec3 n = cross(item.corners[1] - item.corners[0], item.corners[2] - item.corners[0]);
       across += Vec3{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
     }
     axis_ = across.x <= across.y && across.x <= across.z ? 0 : across.y <= across.z ? 1 : 2;
-  }
-
-  void add(std::uint32_t f) {
-    const auto local = [&](int i) { return swapped((soup_.corner(f, i) - base_) / cell_, axis_); };
-    const Vec3 a = local(0), b = local(1), c = local(2);
-    items_.push_back({detail::prepare(a, b, c), min(min(a, b), c), max(max(a, b), c), static_cast<double>(f)});
-  }
-
-  void scatter(double band) {
-    for (const Item& item : items_) {
-      const NodeRange ry = nodes_within(item.low.y, item.high.y, band), rz = nodes_within(item.low.z, item.high.z, band);
-      const double dx = std::max({item.low.x - (kBlockSide - 1), -item.high.x, 0.0});
-      for (int k = rz.begin; k < rz.end; ++k) {
-        const double dz = distance_to_range(k, item.low.z, item.high.z);
-        for (int j = ry.begin; j < ry.end; ++j) {
-          const double dy = distance_to_range(j, item.low.y, item.high.y);
-          const std::size_t row = static_cast<std::size_t>(j + kBlockSide * k);
-          if (dx * dx + dy * dy + dz * dz >= row_max_[row]) continue;  // [T-DIST-3]
-          double* squared = squared_.data() + row * kBlockSide;
-          detail::update_row(item.triangle, item.facet, j, k, squared, id_.data() + row * kBlockSide);
-          row_max_[row] = *std::max_element(squared, squared + kBlockSide);
-        }
-      }
+    if (axis_ == 0) return;
+    for (detail::ScatterItem& item : items_) {
+      for (Vec3& corner : item.corners) corner = swapped(corner, axis_);
+      item.low = swapped(item.low, axis_);
+      item.high = swapped(item.high, axis_);
     }
   }
 
+  template <class Put>
+  void store(const std::array<double, kBlockNodes>& values, Put&& put) const {
+    const std::array<std::size_t, 3> stride{1, kBlockSide, kBlockSide * kBlockSide};
+    const std::size_t sx = stride[static_cast<std::size_t>(axis_)], sy = axis_ == 1 ? 1 : stride[1], sz = axis_ == 2 ? 1 : stride[2];
+    std::size_t n = 0;
+    for (std::size_t k = 0; k < kBlockSide; ++k)
+      for (std::size_t j = 0; j < kBlockSide; ++j)
+        for (std::size_t i = 0; i < kBlockSide; ++i, ++n) put(i * sx + j * sy + k * sz, values[n]);
+  }
+
   const TriangleSoup& soup_;
+  double cell_ = 1;
   Vec3 base_;
-  const double cell_;
-  const double band_;
   int axis_ = 0;
-  std::vector<Item> items_;
-  std::array<double, kBlockNodes> squared_;
-  std::array<double, kBlockNodes> id_;
-  std::array<double, kBlockSide * kBlockSide> row_max_;
+  std::vector<detail::ScatterItem> items_;
+  detail::BlockDistances block_;
 };
 
 }  // namespace
 
 void exact_squared_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, std::size_t leaf,
                              double band, const std::vector<char>& active, double* squared, std::uint32_t* nearest) {
-  BlockScatter block(lattice_soup, grid.octree, leaf, band);
-  block.run(grid.facets_of(leaf), active);
-  block.store(squared, nearest);
+  BlockScatter block(lattice_soup);
+  block.run(grid.octree, leaf, grid.facets_of(leaf), band, active);
+  block.store_squared(squared);
+  block.store_nearest(nearest);
 }
 
 DistanceField exact_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, double band,
-                              const std::vector<char>& active, Progress& progress) {
+                              const std::vector<char>& active, Progress& progress, KeepNearest keep) {
   const std::size_t leaves = grid.octree.size();
-  DistanceField field{Field<float>(leaves, static_cast<float>(band)), Field<std::uint32_t>(leaves, kNoFacet)};
+  const bool keep_nearest = keep == KeepNearest::yes;
+  DistanceField field;
+  const auto reach = static_cast<float>(band);
+  field.distance = field_over(grid, reach, -reach);
+  if (keep_nearest) field.nearest = field_over<std::uint32_t>(grid, kNoFacet, kNoFacet);
   parallel_ranges(leaves, 16, [&](std::size_t begin, std::size_t end) {
     progress.check();
+    BlockScatter block(lattice_soup);
     std::array<double, kBlockNodes> squared;
     for (std::size_t leaf = begin; leaf < end; ++leaf) {
       if (!grid.near_surface(leaf)) continue;
-      exact_squared_distances(lattice_soup, grid, leaf, band, active, squared.data(), field.nearest.block(leaf));
-      std::transform(squared.begin(), squared.end(), field.distance.block(leaf),
-                     [](double d2) { return static_cast<float>(std::sqrt(d2)); });
+      block.run(grid.octree, leaf, grid.facets_of(leaf), band, active);
+      block.store_squared(squared.data());
+      detail::roots(squared.data(), field.distance.block(leaf));
+      if (keep_nearest) block.store_nearest(field.nearest.block(leaf));
     }
   });
   return field;
@@ -150,9 +126,10 @@ DistanceField exact_distances(const TriangleSoup& lattice_soup, const SurfaceOct
 
 void squared_distances_to(const TriangleSoup& lattice_soup, std::span<const std::uint32_t> facets, const Octree& tree,
                           std::size_t leaf, double* squared, std::uint32_t* nearest) {
-  BlockScatter block(lattice_soup, tree, leaf, tree.side() * 2.0 * kBlockSide);
-  block.run(facets, {});
-  block.store(squared, nearest);
+  BlockScatter block(lattice_soup);
+  block.run(tree, leaf, facets, tree.side() * 2.0 * kBlockSide, {});
+  block.store_squared(squared);
+  block.store_nearest(nearest);
 }
 
 }  // namespace burnish

@@ -1,5 +1,8 @@
 #include "distance_kernel.h"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstring>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
@@ -8,93 +11,214 @@
 #else
 #define BURNISH_DISPATCH
 #endif
+// Inlined into every clone, so that it is compiled for that clone's processor.
+#define BURNISH_INLINE inline __attribute__((always_inline))
 
 namespace burnish::detail {
 namespace {
 
 // Slivers whose height over their longest side is below the root of this have no reliable plane; their edges serve.
 constexpr double kFlat = 1e-22;
+// Triangles whose height over their longest side is above the root of this have unit vectors good to 1e-13.
+constexpr double kWellShaped = 1e-6;
 
 // Eight doubles in vector registers of whatever width the processor has (GCC's and Clang's vector extension: loops of
 // eight are unrolled before they are vectorised).
-typedef double Row __attribute__((vector_size(kRow * sizeof(double))));
+typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
+typedef std::int64_t Mask __attribute__((vector_size(kBlockSide * sizeof(std::int64_t))));
+typedef std::int8_t Bytes __attribute__((vector_size(kBlockSide)));
 
-double inverse_or_zero(double v) { return v > 0 ? 1 / v : 0; }
+BURNISH_INLINE Row row_of(double v) { return Row{} + v; }
+BURNISH_INLINE Row load(const double* from) {
+  Row row;
+  std::memcpy(&row, from, sizeof row);
+  return row;
+}
+BURNISH_INLINE void store(const Row& row, double* to) { std::memcpy(to, &row, sizeof row); }
+
+// A byte per lane, 0xff where the mask is set; lane 0 lowest.
+BURNISH_INLINE std::uint64_t bytes_of(const Mask& mask) {
+  const Bytes bytes = __builtin_convertvector(mask, Bytes);
+  std::uint64_t bits;
+  std::memcpy(&bits, &bytes, sizeof bits);
+  return bits;
+}
+
+BURNISH_INLINE double largest_of(const Row& row) {
+  Row other = __builtin_shufflevector(row, row, 4, 5, 6, 7, 0, 1, 2, 3);
+  Row most = row < other ? other : row;
+  other = __builtin_shufflevector(most, most, 2, 3, 0, 1, 6, 7, 4, 5);
+  most = most < other ? other : most;
+  return std::max(most[0], most[1]);
+}
+
+BURNISH_INLINE Row larger(const Row& a, const Row& b) { return a > b ? a : b; }
+BURNISH_INLINE Row smaller(const Row& a, const Row& b) { return a < b ? a : b; }
+
+// A well-shaped triangle prepared for many rows: seven functions of the point, each linear, say where it is. [T-DIST-1]
+class WellShaped {
+ public:
+  BURNISH_INLINE explicit WellShaped(const std::array<Vec3, 3>& v) {
+    const Vec3 n = cross(v[1] - v[0], v[2] - v[0]);
+    const Vec3 unit = n / norm(n);  // divided, so that it is exact along the axes
+    set(kHeight, unit, v[0]);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Vec3 e = v[(i + 1) % 3] - v[i];
+      length_[i] = norm(e);
+      const Vec3 t = e / length_[i];
+      set(kAlong + i, t, v[i]);
+      set(kInwards + i, cross(unit, t), v[i]);
+    }
+  }
+
+  // Squared distances of the eight points (i, y, z), i = 0..7.
+  BURNISH_INLINE Row squared_distances(double y, double z) const {
+    std::array<double, kBlockSide> base;  // the functions at (0, y, z)
+    store(load(y_.data()) * y + (load(z_.data()) * z + load(origin_.data())), base.data());
+    Row in_plane = row_of(1e300), inside = row_of(1e300);
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Row across = x_[kInwards + i] + base[kInwards + i], at = x_[kAlong + i] + base[kAlong + i];
+      const Row beyond = at - smaller(row_of(length_[i]), larger(Row{}, at));
+      in_plane = smaller(in_plane, across * across + beyond * beyond);
+      inside = smaller(inside, across);
+    }
+    const Row above = x_[kHeight] + base[kHeight];
+    return above * above + (inside >= Row{} ? Row{} : in_plane);
+  }
+
+ private:
+  // The height above the plane; in the plane, how far inwards from each edge, and how far along it.
+  static constexpr std::size_t kHeight = 0, kInwards = 1, kAlong = 4;
+
+  BURNISH_INLINE void set(std::size_t function, const Vec3& direction, const Vec3& zero_at) {
+    x_[function] = Row{0, 1, 2, 3, 4, 5, 6, 7} * direction.x;
+    y_[function] = direction.y;
+    z_[function] = direction.z;
+    origin_[function] = -dot(direction, zero_at);
+  }
+
+  std::array<Row, 7> x_;  // of each function, what x adds for the eight points of a row
+  alignas(64) std::array<double, kBlockSide> y_{}, z_{}, origin_{};
+  std::array<double, 3> length_;
+};
+
+BURNISH_INLINE double inverse_or_zero(double v) { return v > 0 ? 1 / v : 0; }
+
+// Any other triangle: slivers, and those without area. Edges with inverse squared lengths, normal with inverse squared length.
+struct AnyShape {
+  std::array<Vec3, 3> v;
+  std::array<Vec3, 3> edge;
+  std::array<double, 3> inverse_edge;  // 1 / |edge|^2, or 0
+  Vec3 n;
+  double inverse_n;                    // 1 / |n|^2, or 0 for a triangle without area
+  std::array<Vec3, 3> inwards;         // normals of the edges in the triangle's plane: n x edge
+
+  BURNISH_INLINE explicit AnyShape(const std::array<Vec3, 3>& corners) {
+    const double ab2 = squared_norm(corners[1] - corners[0]), bc2 = squared_norm(corners[2] - corners[1]),
+                 ca2 = squared_norm(corners[0] - corners[2]);
+    // The longest edge is to be the last one: see `height` below.
+    const std::size_t first = ab2 > ca2 && ab2 >= bc2 ? 1 : bc2 > ca2 ? 2 : 0;
+    for (std::size_t i = 0; i < 3; ++i) v[i] = corners[(first + i) % 3];
+    for (std::size_t i = 0; i < 3; ++i) {
+      edge[i] = v[(i + 1) % 3] - v[i];
+      inverse_edge[i] = inverse_or_zero(squared_norm(edge[i]));
+    }
+    n = cross(edge[0], v[2] - v[0]);
+    const double n2 = squared_norm(n), longest = squared_norm(edge[2]);
+    inverse_n = n2 > kFlat * longest * longest ? 1 / n2 : 0;  // [T-DIST-2]
+    for (std::size_t i = 0; i < 3; ++i) inwards[i] = cross(n, edge[i]);
+  }
+
+  BURNISH_INLINE Row squared_distances(double y, double z) const {
+    const Row x = {0, 1, 2, 3, 4, 5, 6, 7};
+    Row best = row_of(1e300), inside = row_of(1e300);
+    Row u, v_, w;
+    for (std::size_t i = 0; i < 3; ++i) {
+      const Row px = x - v[i].x;
+      const double py = y - v[i].y, pz = z - v[i].z;
+      // The closest point of the edge, by its parameter clamped to [0, 1].
+      Row s = (px * edge[i].x + (py * edge[i].y + pz * edge[i].z)) * inverse_edge[i];
+      s = smaller(larger(s, Row{}), row_of(1));
+      u = px - s * edge[i].x, v_ = py - s * edge[i].y, w = pz - s * edge[i].z;
+      best = smaller(best, u * u + v_ * v_ + w * w);
+      inside = smaller(inside, px * inwards[i].x + (py * inwards[i].y + pz * inwards[i].z));
+    }
+    if (!(inverse_n > 0)) return best;
+    // The plane's distance where the projection falls inside all three edges, measured from the closest point of the longest
+    // edge: nothing inside a sliver is far from it, so that the error of a sliver's normal does no harm.
+    const Row height = u * n.x + (v_ * n.y + w * n.z);
+    return inside >= Row{} ? height * height * inverse_n : best;
+  }
+};
+
+BURNISH_INLINE bool is_well_shaped(const std::array<Vec3, 3>& v) {
+  const double longest = std::max({squared_norm(v[1] - v[0]), squared_norm(v[2] - v[1]), squared_norm(v[0] - v[2])});
+  return squared_norm(cross(v[1] - v[0], v[2] - v[0])) > kWellShaped * longest * longest;
+}
+
+template <class Triangle>
+BURNISH_INLINE void update_row(const Triangle& triangle, double facet, std::size_t row, BlockDistances& block) {
+  const Row found = triangle.squared_distances(static_cast<double>(row % kBlockSide), static_cast<double>(row / kBlockSide));
+  double* squared = block.squared.data() + row * kBlockSide;
+  double* id = block.id.data() + row * kBlockSide;
+  const Row old = load(squared);
+  const Mask nearer = found < old;
+  const Row least = nearer ? found : old;
+  store(least, squared);
+  store(nearer ? row_of(facet) : load(id), id);
+  block.row_max[row] = largest_of(least);
+}
+
+BURNISH_INLINE double distance_to_range(double x, double low, double high) { return std::max({low - x, x - high, 0.0}); }
+
+// Which rows an item may matter to: eight bytes for each of the eight layers.
+using Rows = std::array<std::uint64_t, kBlockSide>;
+
+// Whether there are any whose squared box distance is below the limit.
+BURNISH_INLINE bool find_rows(const ScatterItem& item, double limit, const BlockDistances& block, Rows& rows) {
+  const Row y = {0, 1, 2, 3, 4, 5, 6, 7};
+  const Row dy = larger(larger(item.low.y - y, y - item.high.y), Row{});
+  const double dx = std::max({item.low.x - (kBlockSide - 1), -item.high.x, 0.0});
+  const Row dxy2 = dy * dy + dx * dx;
+  std::uint64_t any = 0;
+  for (int k = 0; k < kBlockSide; ++k) {
+    const double dz = distance_to_range(k, item.low.z, item.high.z);
+    const Row bound = dxy2 + dz * dz;  // of the squared distances of whole rows [T-DIST-3]
+    const Row most = smaller(load(block.row_max.data() + k * kBlockSide), row_of(limit));
+    rows[static_cast<std::size_t>(k)] = bytes_of(bound < most);
+    any |= rows[static_cast<std::size_t>(k)];
+  }
+  return any != 0;
+}
+
+template <class Triangle>
+BURNISH_INLINE void update_rows(const Triangle& triangle, double facet, const Rows& rows, BlockDistances& block) {
+  for (std::size_t k = 0; k < kBlockSide; ++k)
+    for (std::uint64_t left = rows[k]; left != 0;) {
+      const auto j = static_cast<std::size_t>(std::countr_zero(left)) / 8;
+      left &= ~(std::uint64_t{0xff} << (8 * j));
+      update_row(triangle, facet, j + kBlockSide * k, block);
+    }
+}
 
 }  // namespace
 
-PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c) {
-  const double ab2 = squared_norm(b - a), bc2 = squared_norm(c - b), ca2 = squared_norm(a - c);
-  // The longest edge is to be ca: see `height` below.
-  if (ab2 > ca2 && ab2 >= bc2) return prepare(b, c, a);
-  if (bc2 > ca2) return prepare(c, a, b);
-  PreparedTriangle t{};
-  t.a = a;
-  t.b = b;
-  t.c = c;
-  t.ab = b - a;
-  t.bc = c - b;
-  t.ca = a - c;
-  t.inverse_ab = inverse_or_zero(ab2);
-  t.inverse_bc = inverse_or_zero(bc2);
-  t.inverse_ca = inverse_or_zero(ca2);
-  t.n = cross(t.ab, c - a);
-  const double n2 = squared_norm(t.n);
-  t.inverse_n = n2 > kFlat * ca2 * ca2 ? 1 / n2 : 0;  // [T-DIST-2]
-  t.n_ab = cross(t.n, t.ab);
-  t.n_bc = cross(t.n, t.bc);
-  t.n_ca = cross(t.n, t.ca);
-  return t;
+BURNISH_DISPATCH
+void scatter(const ScatterItem* items, std::size_t count, double reach, BlockDistances& block) {
+  const double limit = std::nextafter(reach * reach, 1e300);
+  Rows rows;
+  for (std::size_t i = 0; i < count; ++i) {
+    if (!find_rows(items[i], limit, block, rows)) continue;
+    if (is_well_shaped(items[i].corners))
+      update_rows(WellShaped(items[i].corners), items[i].facet, rows, block);
+    else
+      update_rows(AnyShape(items[i].corners), items[i].facet, rows, block);
+  }
 }
 
 BURNISH_DISPATCH
-void update_row(const PreparedTriangle& t, double facet, double y, double z, double* squared, double* id) {
-  const Row kOnes = {1, 1, 1, 1, 1, 1, 1, 1};
-  const Row kZeros = kOnes - kOnes;
-  const Row px = {0, 1, 2, 3, 4, 5, 6, 7};
-  const Row ax = px - t.a.x, bx = px - t.b.x, cx = px - t.c.x;
-  const double ay = y - t.a.y, az = z - t.a.z, by = y - t.b.y, bz = z - t.b.z, cy = y - t.c.y, cz = z - t.c.z;
-
-  // The closest point of each edge, by its parameter clamped to [0, 1]. [T-DIST-1]
-  Row s = (ax * t.ab.x + (ay * t.ab.y + az * t.ab.z)) * t.inverse_ab;
-  s = s < kZeros ? kZeros : s;
-  s = s > kOnes ? kOnes : s;
-  Row u = ax - s * t.ab.x, v = ay - s * t.ab.y, w = az - s * t.ab.z;
-  Row best = u * u + v * v + w * w;
-
-  s = (bx * t.bc.x + (by * t.bc.y + bz * t.bc.z)) * t.inverse_bc;
-  s = s < kZeros ? kZeros : s;
-  s = s > kOnes ? kOnes : s;
-  u = bx - s * t.bc.x, v = by - s * t.bc.y, w = bz - s * t.bc.z;
-  Row next = u * u + v * v + w * w;
-  best = next < best ? next : best;
-
-  s = (cx * t.ca.x + (cy * t.ca.y + cz * t.ca.z)) * t.inverse_ca;
-  s = s < kZeros ? kZeros : s;
-  s = s > kOnes ? kOnes : s;
-  u = cx - s * t.ca.x, v = cy - s * t.ca.y, w = cz - s * t.ca.z;
-  next = u * u + v * v + w * w;
-  best = next < best ? next : best;
-
-  // The plane's distance where the projection falls inside all three edges.
-  if (t.inverse_n > 0) {
-    const Row in_ab = ax * t.n_ab.x + (ay * t.n_ab.y + az * t.n_ab.z);
-    const Row in_bc = bx * t.n_bc.x + (by * t.n_bc.y + bz * t.n_bc.z);
-    const Row in_ca = cx * t.n_ca.x + (cy * t.n_ca.y + cz * t.n_ca.z);
-    Row inside = in_ab < in_bc ? in_ab : in_bc;
-    inside = in_ca < inside ? in_ca : inside;
-    // Measured from the closest point of the longest edge: nothing inside a sliver is far from it, so that the error of
-    // a sliver's normal does no harm.
-    const Row height = u * t.n.x + (v * t.n.y + w * t.n.z);
-    best = inside >= kZeros ? height * height * t.inverse_n : best;
-  }
-  Row old, ids;
-  std::memcpy(&old, squared, sizeof old);
-  std::memcpy(&ids, id, sizeof ids);
-  ids = best < old ? kZeros + facet : ids;
-  old = best < old ? best : old;
-  std::memcpy(squared, &old, sizeof old);
-  std::memcpy(id, &ids, sizeof ids);
+void roots(const double* squared, float* distance) {
+  for (std::size_t i = 0; i < kBlockNodes; ++i) distance[i] = static_cast<float>(std::sqrt(squared[i]));
 }
 
 }  // namespace burnish::detail

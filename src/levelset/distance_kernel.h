@@ -1,26 +1,43 @@
-// The inner loop of the distance scatter, in a unit of its own that is compiled for several processors.
+// The inner loops of the distance scatter, in a unit of their own that is compiled for several processors.
 #pragma once
 
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
 #include "burnish/core/vec.h"
+#include "burnish/octree/field.h"
 
 namespace burnish::detail {
 
-inline constexpr int kRow = 8;
+// One block while facets are scattered to its nodes: rows of eight nodes along x.
+//
+// Coordinates are in cells of the block, relative to its corner. Ids are doubles, so that they live in the same vector lanes.
+struct alignas(64) BlockDistances {
+  std::array<double, kBlockNodes> squared;
+  std::array<double, kBlockNodes> id;
+  std::array<double, kBlockSide * kBlockSide> row_max;  // the largest of a row's squared distances
 
-// A triangle prepared for many points: edges with inverse squared lengths, normal with inverse squared length.
-struct PreparedTriangle {
-  Vec3 a, b, c;
-  Vec3 ab, bc, ca;
-  double inverse_ab, inverse_bc, inverse_ca;  // 1 / |edge|^2, or 0
-  Vec3 n;
-  double inverse_n;                           // 1 / |n|^2, or 0 for a triangle without area
-  Vec3 n_ab, n_bc, n_ca;                      // inward normals of the edges in the triangle's plane: n x edge
+  void reset(double squared_distance, double facet) {
+    squared.fill(squared_distance);
+    id.fill(facet);
+    row_max.fill(squared_distance);
+  }
 };
 
-PreparedTriangle prepare(const Vec3& a, const Vec3& b, const Vec3& c);
+// A triangle to be scattered, with its box.
+struct ScatterItem {
+  std::array<Vec3, 3> corners;
+  Vec3 low, high;
+  double facet;
+};
 
-// For the eight points (i, y, z), i = 0..7: where the squared distance to the triangle is below squared[i],
-// replaces it and sets id[i] to `facet`. Ids are doubles so that both live in the same vector lanes.
-void update_row(const PreparedTriangle& triangle, double facet, double y, double z, double* squared, double* id);
+// Where the squared distance of a node to an item is below what it has, replaces that, and sets its id. Rows whose box distance
+// to the item's box is above `reach`, or no less than the largest of the row's distances, are skipped: nothing changes there, or another
+// call has to come. The same bits on every processor.
+void scatter(const ScatterItem* items, std::size_t count, double reach, BlockDistances& block);
+
+// distance[i] = the float next to the root of squared[i], for a block's nodes.
+void roots(const double* squared, float* distance);
 
 }  // namespace burnish::detail

@@ -129,6 +129,8 @@ class FarField {
 }  // namespace
 
 void spread_far_field(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, DistanceField& field, Progress& progress) {
+  field.distance.make_dense(grid.octree.size());
+  field.nearest.make_dense(grid.octree.size());
   FarField(lattice_soup, grid, field, progress).run();
 }
 

@@ -14,18 +14,27 @@
 namespace burnish {
 namespace {
 
-// Whether the node at or below p along each axis is inside.
+// The leaf that holds a point of the domain.
+std::uint32_t leaf_at(const Octree& tree, const Vec3& p) {
+  const auto block = [](double x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
+  return tree.find({block(p.x), block(p.y), block(p.z)});
+}
+
+// Whether the node at or below p along each axis, of the leaf that holds p, is inside.
 bool is_inside_at(const SurfaceOctree& grid, const Field<std::uint8_t>& inside, const Vec3& p) {
-  const std::array<std::int32_t, 3> at{static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)};
-  const auto block = [&](std::size_t a) { return static_cast<std::uint32_t>(at[a]) / kBlockSide; };
-  const std::size_t leaf = grid.octree.find({block(0), block(1), block(2)});
-  return inside.block(leaf)[node_index(at[0] % kBlockSide, at[1] % kBlockSide, at[2] % kBlockSide)] != 0;
+  const std::uint32_t leaf = leaf_at(grid.octree, p);
+  const int level = grid.octree.level(leaf);
+  const LatticeNode corner = lattice_node(grid.octree, leaf, 0, 0, 0);
+  const auto local = [&](double x, std::int32_t from) { return (static_cast<std::int32_t>(x) - from) >> level; };
+  return inside.block(leaf)[node_index(local(p.x, corner.x), local(p.y, corner.y), local(p.z, corner.z))] != 0;
 }
 
 // Whether the nodes of the cell that holds point p, and of `around` layers of cells about it, are all on one side.
 bool is_uniform_around(const SurfaceOctree& grid, const Field<std::uint8_t>& inside, const Vec3& p, int around) {
+  const double cell = static_cast<double>(1u << grid.octree.level(leaf_at(grid.octree, p)));
   const auto is_inside = [&](int i, int j, int k) {
-    return is_inside_at(grid, inside, {std::floor(p.x) + i, std::floor(p.y) + j, std::floor(p.z) + k});
+    const Vec3 low{std::floor(p.x / cell) + i, std::floor(p.y / cell) + j, std::floor(p.z / cell) + k};
+    return is_inside_at(grid, inside, low * cell);
   };
   const bool first = is_inside(0, 0, 0);
   for (int k = -around; k <= 1 + around; ++k)
@@ -38,29 +47,55 @@ bool is_uniform_around(const SurfaceOctree& grid, const Field<std::uint8_t>& ins
 // What each facet is to the solid. No part of its surface are those that cross lattice edges but separate nothing, in a cell that the boundary
 // does not cut. Where there are such facets, smaller ones that cross no edge at all are judged by the cells around.
 // [T-SIGN-4]
-void assign_roles(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, const Field<std::uint8_t>& inside,
-                  const std::vector<FacetSides>& sides, LevelSetFromTriangles& result) {
-  result.roles.assign(sides.size(), FacetRole::boundary);
-  const auto centroid = [&](std::size_t f) {
-    return (lattice_soup.corner(f, 0) + lattice_soup.corner(f, 1) + lattice_soup.corner(f, 2)) / 3.0;
-  };
-  const auto leave_out = [&](std::size_t f, bool is_inside) {
-    result.roles[f] = is_inside ? FacetRole::interior : FacetRole::unresolved;
+class Roles {
+ public:
+  Roles(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, const Field<std::uint8_t>& crossed, const Field<std::uint8_t>& inside,
+        LevelSetFromTriangles& result, Progress& progress)
+      : soup_(lattice_soup), grid_(grid), crossed_(crossed), inside_(inside), result_(result), progress_(progress) {}
+
+  void assign() {
+    result_.roles.assign(soup_.facets.size(), FacetRole::boundary);
+    const std::vector<char> suspects = facets_across_idle_edges(soup_, grid_, crossed_, inside_, progress_);
+    if (std::find(suspects.begin(), suspects.end(), 1) == suspects.end()) return;
+    const std::vector<FacetSides> sides = facet_sides(soup_, grid_, inside_, suspects, progress_);
+    for (std::size_t f = 0; f < sides.size(); ++f)
+      if (!sides[f].separates && sides[f].crosses() && is_uniform_around(grid_, inside_, centroid(f), 0))
+        leave_out(f, sides[f].within_inside);
+    if (result_.interior_facets > 0) assign_small();
+  }
+
+ private:
+  Vec3 centroid(std::size_t f) const { return (soup_.corner(f, 0) + soup_.corner(f, 1) + soup_.corner(f, 2)) / 3.0; }
+
+  // Facets deep inside that cross no edge.
+  void assign_small() {
+    std::vector<char> deep(soup_.facets.size(), 0);
+    parallel_for(soup_.facets.size(), [&](std::size_t f) {
+      deep[f] = result_.roles[f] == FacetRole::boundary && is_inside_at(grid_, inside_, centroid(f)) &&
+                is_uniform_around(grid_, inside_, centroid(f), 1);
+    });
+    const std::vector<FacetSides> sides = facet_sides(soup_, grid_, inside_, deep, progress_);
+    for (std::size_t f = 0; f < sides.size(); ++f)
+      if (deep[f] && !sides[f].crosses()) leave_out(f, true);
+  }
+
+  void leave_out(std::size_t f, bool is_inside) {
+    result_.roles[f] = is_inside ? FacetRole::interior : FacetRole::unresolved;
     if (is_inside) {
-      ++result.interior_facets;
+      ++result_.interior_facets;
     } else {
-      ++result.unresolved_facets;
-      result.unresolved_area += 0.5 * norm(facet_normal_2a(lattice_soup, f));
+      ++result_.unresolved_facets;
+      result_.unresolved_area += 0.5 * norm(facet_normal_2a(soup_, f));
     }
-  };
-  for (std::size_t f = 0; f < sides.size(); ++f)
-    if (!sides[f].separates && sides[f].crosses() && is_uniform_around(grid, inside, centroid(f), 0))
-      leave_out(f, sides[f].within_inside);
-  if (result.interior_facets == 0) return;
-  for (std::size_t f = 0; f < sides.size(); ++f)
-    if (!sides[f].crosses() && is_uniform_around(grid, inside, centroid(f), 1) && is_inside_at(grid, inside, centroid(f)))
-      leave_out(f, true);
-}
+  }
+
+  const TriangleSoup& soup_;
+  const SurfaceOctree& grid_;
+  const Field<std::uint8_t>& crossed_;
+  const Field<std::uint8_t>& inside_;
+  LevelSetFromTriangles& result_;
+  Progress& progress_;
+};
 
 // Distances anew for the leaves that some facet has left.
 void recompute_without(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, double band,
@@ -71,11 +106,39 @@ void recompute_without(const TriangleSoup& lattice_soup, const SurfaceOctree& gr
         const auto facets = grid.facets_of(leaf);
         if (std::all_of(facets.begin(), facets.end(), [&](std::uint32_t f) { return active[f] != 0; })) return;
         std::array<double, kBlockNodes> squared;
-        exact_squared_distances(lattice_soup, grid, leaf, band, active, squared.data(), field.nearest.block(leaf));
+        std::array<std::uint32_t, kBlockNodes> nearest;
+        exact_squared_distances(lattice_soup, grid, leaf, band, active, squared.data(), nearest.data());
+        if (!field.nearest.empty()) std::copy(nearest.begin(), nearest.end(), field.nearest.block(leaf));
         std::transform(squared.begin(), squared.end(), field.distance.block(leaf),
                        [](double d2) { return static_cast<float>(std::sqrt(d2)); });
       },
       16);
+}
+
+// Sides of the nodes, and the roles of the facets.
+InsideField classify(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, const Field<float>& distance,
+                     LevelSetFromTriangles& result, Progress& progress) {
+  const Field<std::uint8_t> crossed = crossed_edges(lattice_soup, grid, progress);
+  InsideField classified = classify_nodes(grid, distance, crossed, TriangleIndex(lattice_soup), progress);
+  result.regions = classified.regions;
+  result.ambiguous_regions = classified.ambiguous_regions;
+  result.winding_evaluations = classified.evaluations;
+  Roles(lattice_soup, grid, crossed, classified.inside, result, progress).assign();
+  return classified;
+}
+
+// Makes distances outside negative.
+void give_signs(const Field<std::uint8_t>& inside, std::size_t leaves, Field<float>& phi) {
+  if (inside.layout().empty()) phi.make_dense(leaves);
+  parallel_for(
+      leaves,
+      [&](std::size_t leaf) {
+        const std::uint8_t* in = inside.block(leaf);
+        if (!phi.stores(leaf)) return phi.set_uniform(leaf, !in[0]);
+        float* values = phi.block(leaf);
+        for (std::size_t n = 0; n < kBlockNodes; ++n) values[n] = in[n] ? values[n] : -values[n];
+      },
+      64);
 }
 
 }  // namespace
@@ -95,16 +158,8 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   set.frame = frame;
   set.band = band;
   set.grid = grow_uniform_band(lattice_soup, frame.depth, band, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
-  DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress);
-  const TriangleIndex triangles(lattice_soup);
-  const Field<std::uint8_t> crossed = crossed_edges(lattice_soup, set.grid, progress);
-  const InsideField classified = classify_nodes(set.grid, field.distance, crossed, triangles, progress);
-  result.regions = classified.regions;
-  result.ambiguous_regions = classified.ambiguous_regions;
-  result.winding_evaluations = classified.evaluations;
-
-  const auto sides = facet_sides(lattice_soup, set.grid, classified.inside, progress);
-  assign_roles(lattice_soup, set.grid, classified.inside, sides, result);
+  DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress, options.far_field ? KeepNearest::yes : KeepNearest::no);
+  const InsideField classified = classify(lattice_soup, set.grid, field.distance, result, progress);
   if (result.interior_facets + result.unresolved_facets > 0) {
     std::vector<char> active(result.roles.size());
     std::transform(result.roles.begin(), result.roles.end(), active.begin(), [](FacetRole role) { return role == FacetRole::boundary; });
@@ -113,9 +168,7 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   // [T-FAR-1]
   if (options.far_field) spread_far_field(lattice_soup, set.grid, field, progress);
   set.phi = std::move(field.distance);
-  parallel_for(set.phi.values.size(), [&](std::size_t i) {
-    if (!classified.inside.values[i]) set.phi.values[i] = -set.phi.values[i];
-  });
+  give_signs(classified.inside, set.octree().size(), set.phi);
   return result;
 }
 
@@ -127,10 +180,11 @@ LevelSet level_set_of_shell(const TriangleSoup& soup, const GridFrame& frame, do
   set.band = options.band;
   const double reach = half_thickness + options.band;
   set.grid = grow_uniform_band(lattice_soup, frame.depth, reach, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
-  set.phi = exact_distances(lattice_soup, set.grid, reach, {}, progress).distance;
-  parallel_for(set.phi.values.size(), [&](std::size_t i) {
-    const double phi = half_thickness - static_cast<double>(set.phi.values[i]);
-    set.phi.values[i] = static_cast<float>(std::clamp(phi, -options.band, options.band));
+  set.phi = exact_distances(lattice_soup, set.grid, reach, {}, progress, KeepNearest::no).distance;
+  // Beyond the reach, uniform leaves included, this is -band.
+  parallel_for(set.phi.values().size(), [&](std::size_t i) {
+    float& value = set.phi.values()[i];
+    value = static_cast<float>(std::clamp(half_thickness - static_cast<double>(value), -options.band, options.band));
   });
   return set;
 }

@@ -95,7 +95,7 @@ class Redistancer {
       : set_(set), tree_(set.octree()), reach_(std::min(reach, set.band)), progress_(progress) {
     slot_.assign(tree_.size(), kNone);
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf)
-      if (tree_.level(leaf) == 0) {
+      if (tree_.level(leaf) == 0 && set.phi.stores(leaf)) {
         slot_[leaf] = static_cast<std::uint32_t>(leaves_.size());
         leaves_.push_back(leaf);
       }

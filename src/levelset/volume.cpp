@@ -27,7 +27,7 @@ double cut_cell_volume(const std::array<double, 8>& phi) {
 template <class T>
 double leaf_volume(const BasicLevelSet<T>& set, std::size_t leaf) {
   const T* own = set.phi.block(leaf);
-  const bool deep = std::all_of(own, own + kBlockNodes, [](T v) { return v > 2 || v < -2; });
+  const bool deep = !set.phi.stores(leaf) || std::all_of(own, own + kBlockNodes, [](T v) { return v > 2 || v < -2; });
   if (deep && !set.grid.near_surface(leaf)) return own[0] >= 0 ? static_cast<double>(kBlockNodes) : 0.0;
   std::array<T, std::size_t{kSide} * kSide * kSide> dense;
   gather(set.octree(), set.phi, leaf, 1, dense.data());

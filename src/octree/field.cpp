@@ -57,6 +57,26 @@ std::optional<double> value_within(const Octree& tree, const Field<T>& field, st
 
 }  // namespace
 
+StoredNode next_node(const Octree& tree, std::size_t leaf, std::size_t node, int axis) {
+  constexpr std::array<std::size_t, 3> kStride{1, kBlockSide, kBlockSide * kBlockSide};
+  const std::size_t stride = kStride[static_cast<std::size_t>(axis)];
+  if (node / stride % kBlockSide < kBlockSide - 1) return {static_cast<std::uint32_t>(leaf), static_cast<std::uint32_t>(node + stride)};
+  const int dir = direction(axis == 0, axis == 1, axis == 2);
+  const NeighborKind kind = tree.neighbor_kind(leaf, dir);
+  if (kind == NeighborKind::wall) return {};
+  if (kind == NeighborKind::same)
+    return {tree.neighbor(leaf, dir), static_cast<std::uint32_t>(node - stride * (kBlockSide - 1))};
+  const int n = static_cast<int>(node);
+  const LatticeNode at = lattice_node(tree, leaf, n % kBlockSide + (axis == 0), n / kBlockSide % kBlockSide + (axis == 1),
+                                      n / kBlockSide / kBlockSide + (axis == 2));
+  const std::uint32_t other = kind == NeighborKind::coarser ? tree.neighbor(leaf, dir) : tree.find(block_of(at));
+  const int level = tree.level(other);
+  const LatticeNode corner = lattice_node(tree, other, 0, 0, 0);
+  const std::array<std::int32_t, 3> local{at.x - corner.x, at.y - corner.y, at.z - corner.z};
+  if (((local[0] | local[1] | local[2]) & ((1 << level) - 1)) != 0) return {};
+  return {other, static_cast<std::uint32_t>(node_index(local[0] >> level, local[1] >> level, local[2] >> level))};
+}
+
 template <class T>
 double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
   const LatticeNode inside = clamped(tree, node);

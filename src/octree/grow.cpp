@@ -12,75 +12,168 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kFacetGrain = 4096;
-
-// A facet that concerns a finest block.
-struct Pair {
-  std::uint64_t block;  // interleaved position
-  std::uint32_t facet;
-  friend constexpr auto operator<=>(const Pair&, const Pair&) = default;
-};
+constexpr double kRounding = 1e-6;  // cells: a block that much too far away may be taken along
 
 // Descends from one octant to the finest blocks near one facet.
 class Descent {
  public:
-  Descent(const TriangleSoup& soup, double band, std::vector<Pair>& out) : soup_(soup), band_(band), out_(out) {}
+  Descent(const TriangleSoup& soup, double band) : soup_(soup), band_(band) {}
 
-  void run(std::uint32_t facet) {
-    facet_ = facet;
-    a_ = soup_.corner(facet, 0);
-    b_ = soup_.corner(facet, 1);
-    c_ = soup_.corner(facet, 2);
-    const Vec3 low = min(min(a_, b_), c_) - Vec3{1, 1, 1} * band_;
-    const Vec3 high = max(max(a_, b_), c_) + Vec3{1, 1, 1} * band_;
+  // Calls emit(block) for every finest block near the facet, by interleaved position.
+  template <class Emit>
+  void run(std::uint32_t facet, Emit&& emit) const {
+    const Vec3 &a = soup_.corner(facet, 0), &b = soup_.corner(facet, 1), &c = soup_.corner(facet, 2);
+    const TriangleNearBox near(a, b, c, band_ + kRounding);
+    const Vec3 low = min(min(a, b), c) - Vec3{1, 1, 1} * band_;
+    const Vec3 high = max(max(a, b), c) + Vec3{1, 1, 1} * band_;
     // Start at the level at which the facet spans at most two octants an axis.
     const double reach = std::max({high.x - low.x, high.y - low.y, high.z - low.z}) / kBlockSide;
     int level = 0;
-    while (std::ldexp(1.0, level) < reach) ++level;
-    const double size = kBlockSide * std::ldexp(1.0, level);
-    const auto octant = [&](double x) { return static_cast<std::uint32_t>(std::floor(x / size)); };
+    while (static_cast<double>(1u << level) < reach) ++level;
+    const double per_octant = 1.0 / (kBlockSide * static_cast<double>(1u << level));  // a power of two
+    const auto octant = [&](double x) { return static_cast<std::uint32_t>(x * per_octant); };
     for (std::uint32_t z = octant(low.z); z <= octant(high.z); ++z)
       for (std::uint32_t y = octant(low.y); y <= octant(high.y); ++y)
-        for (std::uint32_t x = octant(low.x); x <= octant(high.x); ++x) visit(morton::interleave({x, y, z}), level);
+        for (std::uint32_t x = octant(low.x); x <= octant(high.x); ++x) visit(near, {x, y, z}, level, emit);
   }
 
  private:
-  void visit(std::uint64_t octant, int level) {
-    const double half = 0.5 * kBlockSide * std::ldexp(1.0, level);
-    const morton::Position p = morton::deinterleave(octant);
-    const Vec3 center{(2 * p.x + 1) * half, (2 * p.y + 1) * half, (2 * p.z + 1) * half};
-    if (!triangle_overlaps_cube(a_, b_, c_, center, half + band_)) return;
-    if (level == 0) {
-      out_.push_back({octant, facet_});
-      return;
-    }
-    for (std::uint64_t child = 0; child < 8; ++child) visit(octant << 3 | child, level - 1);
+  template <class Emit>
+  static void visit(const TriangleNearBox& near, const morton::Position& p, int level, Emit& emit) {
+    // The box of the octant's nodes, which end a cell before its upper faces.
+    const double size = kBlockSide * static_cast<double>(1u << level), half = 0.5 * (size - 1);
+    if (!near({p.x * size + half, p.y * size + half, p.z * size + half}, half)) return;
+    if (level == 0) return emit(morton::interleave(p));
+    for (std::uint32_t child = 0; child < 8; ++child)
+      visit(near, {2 * p.x + (child & 1), 2 * p.y + (child >> 1 & 1), 2 * p.z + (child >> 2)}, level - 1, emit);
   }
 
   const TriangleSoup& soup_;
   const double band_;
-  std::vector<Pair>& out_;
-  std::uint32_t facet_ = 0;
-  Vec3 a_, b_, c_;
 };
 
-std::vector<Pair> facets_near_blocks(const TriangleSoup& soup, double band, Progress& progress) {
-  const std::size_t chunks = (soup.facets.size() + kFacetGrain - 1) / kFacetGrain;
-  std::vector<std::vector<Pair>> found(chunks);
+// The facets of one chunk by the blocks that they are near to: those of blocks[i] are facets[first[i]] to first[i + 1].
+struct ChunkLists {
+  std::vector<std::uint64_t> blocks;
+  std::vector<std::uint32_t> first;
+  std::vector<std::uint32_t> facets;
+};
+
+// Numbers blocks in the order in which they turn up: a chunk's facets lie together, so there are few.
+class BlockNumbers {
+ public:
+  BlockNumbers() : slots_(1024, kFree) {}
+
+  std::uint32_t number(std::uint64_t block) {
+    if (!blocks_.empty() && blocks_[last_] == block) return last_;
+    std::size_t slot = find(block);
+    if (slots_[slot] == kFree) {
+      slots_[slot] = static_cast<std::uint32_t>(blocks_.size());
+      blocks_.push_back(block);
+      if (2 * blocks_.size() > slots_.size()) {
+        grow();
+        slot = find(block);
+      }
+    }
+    return last_ = slots_[slot];
+  }
+  const std::vector<std::uint64_t>& blocks() const { return blocks_; }
+
+ private:
+  static constexpr std::uint32_t kFree = 0xffffffffu;
+
+  std::size_t find(std::uint64_t block) const {
+    std::uint64_t hash = block * 0x9e3779b97f4a7c15ull;
+    for (std::size_t slot = (hash ^ hash >> 29) & (slots_.size() - 1);; slot = (slot + 1) & (slots_.size() - 1))
+      if (slots_[slot] == kFree || blocks_[slots_[slot]] == block) return slot;
+  }
+  void grow() {
+    slots_.assign(slots_.size() * 2, kFree);
+    for (std::uint32_t i = 0; i < blocks_.size(); ++i) slots_[find(blocks_[i])] = i;
+  }
+
+  std::vector<std::uint32_t> slots_;
+  std::vector<std::uint64_t> blocks_;
+  std::uint32_t last_ = 0;
+};
+
+ChunkLists lists_of_chunk(const Descent& descent, std::size_t begin, std::size_t end) {
+  struct Pair {
+    std::uint32_t block, facet;
+  };
+  BlockNumbers numbers;
+  std::vector<Pair> pairs;
+  pairs.reserve(8 * (end - begin));
+  for (std::size_t f = begin; f < end; ++f) {
+    const auto facet = static_cast<std::uint32_t>(f);
+    descent.run(facet, [&](std::uint64_t block) { pairs.push_back({numbers.number(block), facet}); });
+  }
+  ChunkLists lists;
+  lists.blocks = numbers.blocks();
+  lists.first.assign(lists.blocks.size() + 1, 0);
+  lists.facets.resize(pairs.size());
+  for (const Pair& pair : pairs) ++lists.first[pair.block];
+  exclusive_scan_in_place(lists.first);
+  std::vector<std::uint32_t> next = lists.first;
+  for (const Pair& pair : pairs) lists.facets[next[pair.block]++] = pair.facet;
+  return lists;
+}
+
+// One chunk's facets near one block.
+struct Run {
+  std::uint64_t block;
+  std::uint32_t chunk, index;
+  friend constexpr auto operator<=>(const Run&, const Run&) = default;
+};
+
+// The facets near every block: runs in the order of blocks, then of facets.
+struct NearFacets {
+  std::vector<ChunkLists> chunks;
+  std::vector<Run> runs;
+
+  std::span<const std::uint32_t> facets(const Run& run) const {
+    const ChunkLists& lists = chunks[run.chunk];
+    return {lists.facets.data() + lists.first[run.index], lists.first[run.index + 1] - lists.first[run.index]};
+  }
+};
+
+NearFacets facets_near_blocks(const TriangleSoup& soup, double band, Progress& progress) {
+  NearFacets near;
+  near.chunks.resize((soup.facets.size() + kFacetGrain - 1) / kFacetGrain);
+  const Descent descent(soup, band);
   parallel_ranges(soup.facets.size(), kFacetGrain, [&](std::size_t begin, std::size_t end) {
     progress.check();
-    Descent descent(soup, band, found[begin / kFacetGrain]);
-    for (std::size_t f = begin; f < end; ++f) descent.run(static_cast<std::uint32_t>(f));
+    near.chunks[begin / kFacetGrain] = lists_of_chunk(descent, begin, end);
   });
-  std::vector<Pair> all;
   std::size_t total = 0;
-  for (const auto& part : found) total += part.size();
-  all.reserve(total);
-  for (auto& part : found) {
-    all.insert(all.end(), part.begin(), part.end());
-    std::vector<Pair>().swap(part);
+  for (const ChunkLists& lists : near.chunks) total += lists.blocks.size();
+  near.runs.reserve(total);
+  for (std::uint32_t c = 0; c < near.chunks.size(); ++c)
+    for (std::uint32_t i = 0; i < near.chunks[c].blocks.size(); ++i) near.runs.push_back({near.chunks[c].blocks[i], c, i});
+  parallel_sort(near.runs);
+  return near;
+}
+
+// Fills the lists of the octree's leaves. Runs and leaves both follow the Morton curve.
+void list_facets(const NearFacets& near, SurfaceOctree& result) {
+  const std::size_t leaves = result.octree.size();
+  std::vector<std::size_t> first_run(leaves + 1, near.runs.size());
+  result.first_facet.assign(leaves + 1, 0);
+  std::size_t r = 0;
+  for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
+    first_run[leaf] = r;
+    const std::uint64_t key = result.octree.key(leaf);
+    for (; r < near.runs.size() && morton::key(near.runs[r].block, 0) == key; ++r)
+      result.first_facet[leaf] += near.facets(near.runs[r]).size();
   }
-  parallel_sort(all);
-  return all;
+  result.facets.resize(exclusive_scan_in_place(result.first_facet));
+  parallel_for(leaves, [&](std::size_t leaf) {
+    auto to = result.facets.begin() + static_cast<std::ptrdiff_t>(result.first_facet[leaf]);
+    for (std::size_t i = first_run[leaf]; i < first_run[leaf + 1]; ++i) {
+      const auto facets = near.facets(near.runs[i]);
+      to = std::copy(facets.begin(), facets.end(), to);
+    }
+  });
 }
 
 // The blocks and the 26 around each, within the domain: one axis after the other.
@@ -125,24 +218,58 @@ bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const V
   return true;
 }
 
+TriangleNearBox::TriangleNearBox(const Vec3& a, const Vec3& b, const Vec3& c, double reach)
+    : a_(a), reach_squared_(reach * reach), low_(min(min(a, b), c) - a), high_(max(max(a, b), c) - a) {
+  const std::array<Vec3, 3> v{Vec3{}, b - a, c - a};
+  const auto add = [&](std::size_t at, const Vec3& axis, double low, double high) {
+    axes_[at] = {axis, low, high, std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z), reach_squared_ * squared_norm(axis)};
+  };
+  add(0, cross(v[1], v[2]), 0, 0);
+  for (std::size_t i = 0; i < 3; ++i) {
+    const Vec3 e = v[(i + 1) % 3] - v[i];
+    for (int k = 0; k < 3; ++k) {
+      Vec3 unit;
+      unit[k] = 1;
+      const Vec3 axis = cross(unit, e);
+      // Two vertices project to the same value, so the third and one of them decide.
+      const double p = dot(axis, v[i]), q = dot(axis, v[(i + 2) % 3]);
+      add(1 + 3 * i + static_cast<std::size_t>(k), axis, std::min(p, q), std::max(p, q));
+    }
+  }
+}
+
+bool TriangleNearBox::operator()(const Vec3& center, double half) const {  // [T-OCT-4]
+  const Vec3 at = center - a_;
+  double gap_squared = 0;
+  for (int k = 0; k < 3; ++k) {
+    const double gap = std::max({low_[k] - at[k] - half, at[k] - half - high_[k], 0.0});
+    gap_squared += gap * gap;
+  }
+  if (gap_squared > reach_squared_) return false;
+  for (const Axis& axis : axes_) {
+    const double p = dot(axis.direction, at), box = half * axis.box;
+    const double gap = std::max(axis.low - p, p - axis.high) - box;
+    if (gap > 0 && gap * gap > axis.reach_squared) return false;
+  }
+  return true;
+}
+
 SurfaceOctree grow_uniform_band(const TriangleSoup& lattice_soup, int depth, double band, int rings, Progress& progress) {
-  const std::vector<Pair> pairs = facets_near_blocks(lattice_soup, band, progress);
+  const NearFacets near = facets_near_blocks(lattice_soup, band, progress);
   std::vector<std::uint64_t> finest;
-  for (const Pair& pair : pairs)
-    if (finest.empty() || finest.back() != pair.block) finest.push_back(pair.block);
+  for (const Run& run : near.runs)
+    if (finest.empty() || finest.back() != run.block) finest.push_back(run.block);
   for (int ring = 0; ring < rings; ++ring) finest = with_neighbors(std::move(finest), depth);
   SurfaceOctree result;
   result.octree = Octree::build(depth, finest);
-  result.first_facet.assign(result.octree.size() + 1, 0);
-  result.facets.reserve(pairs.size());
-  // Pairs and leaves both follow the Morton curve: one merge fills the lists.
-  std::size_t i = 0;
-  for (std::size_t leaf = 0; leaf < result.octree.size(); ++leaf) {
-    result.first_facet[leaf] = result.facets.size();
-    const std::uint64_t key = result.octree.key(leaf);
-    for (; i < pairs.size() && morton::key(pairs[i].block, 0) == key; ++i) result.facets.push_back(pairs[i].facet);
-  }
-  result.first_facet.back() = result.facets.size();
+  list_facets(near, result);
+  // Leaves and finest blocks both follow the Morton curve.
+  auto next = finest.begin();
+  result.layout = layout_of(result.octree.size(), [&](std::size_t leaf) {
+    if (next == finest.end() || morton::key(*next, 0) != result.octree.key(leaf)) return false;
+    ++next;
+    return true;
+  });
   return result;
 }
 

@@ -50,6 +50,8 @@ std::vector<std::vector<std::uint64_t>> refined_octants(int depth, std::vector<s
   return refined;
 }
 
+constexpr std::size_t kLinkGrain = 2048;
+
 constexpr std::uint64_t hash_of(std::uint64_t key) {
   key *= 0x9e3779b97f4a7c15ull;
   return key ^ key >> 29;
@@ -107,7 +109,7 @@ std::uint32_t Octree::find(const Position& p) const {
   return static_cast<std::uint32_t>(it - keys_.begin());
 }
 
-std::uint64_t Octree::link_of(std::size_t leaf, int dir) {
+std::uint64_t Octree::link_of(std::size_t leaf, int dir, std::vector<std::uint32_t>& finer) const {
   const int l = level(leaf);
   const Position p = morton::deinterleave(keys_[leaf] >> (3 * l + 1));
   const auto [dx, dy, dz] = offset_of(dir);
@@ -118,14 +120,14 @@ std::uint64_t Octree::link_of(std::size_t leaf, int dir) {
   const std::uint64_t m = morton::interleave(q);
   if (const auto same = find_key(morton::key(m, l)); same != kNone) return packed(NeighborKind::same, same);
   if (const auto up = find_key(morton::key(m >> 3, l + 1)); up != kNone) return packed(NeighborKind::coarser, up);
-  const std::uint64_t first = finer_.size();
+  const std::uint64_t first = finer.size();
   std::uint64_t count = 0;
   for (std::uint64_t child = 0; child < 8; ++child) {
     // Of the neighbour's children, those on the side that faces this leaf.
     const bool faces = (dx == 0 || (dx > 0) == !(child & 1)) && (dy == 0 || (dy > 0) == !(child & 2)) &&
                        (dz == 0 || (dz > 0) == !(child & 4));
     if (!faces) continue;
-    finer_.push_back(find_key(morton::key(m << 3 | child, l - 1)));
+    finer.push_back(find_key(morton::key(m << 3 | child, l - 1)));
     ++count;
   }
   return packed(NeighborKind::finer, count << 32 | first);
@@ -140,11 +142,23 @@ void Octree::link() {
     table_[slot] = static_cast<std::uint32_t>(i);
   }
   links_.resize(keys_.size() * kDirections);
-  finer_.clear();
-  for (std::size_t i = 0; i < keys_.size(); ++i)
-    for (int d = 0; d < kDirections; ++d)
-      links_[i * kDirections + static_cast<std::size_t>(d)] =
-          d == kSelf ? packed(NeighborKind::same, i) : link_of(i, d);
+  // Every chunk numbers its finer neighbours from 0; then its links move to where these come to stand.
+  std::vector<std::vector<std::uint32_t>> finer((keys_.size() + kLinkGrain - 1) / kLinkGrain);
+  parallel_ranges(keys_.size(), kLinkGrain, [&](std::size_t begin, std::size_t end) {
+    for (std::size_t i = begin; i < end; ++i)
+      for (int d = 0; d < kDirections; ++d)
+        links_[i * kDirections + static_cast<std::size_t>(d)] =
+            d == kSelf ? packed(NeighborKind::same, i) : link_of(i, d, finer[begin / kLinkGrain]);
+  });
+  std::vector<std::size_t> first(finer.size());
+  for (std::size_t c = 0; c < finer.size(); ++c) first[c] = finer[c].size();
+  finer_.resize(exclusive_scan_in_place(first));
+  parallel_ranges(keys_.size(), kLinkGrain, [&](std::size_t begin, std::size_t end) {
+    const std::size_t c = begin / kLinkGrain;
+    std::copy(finer[c].begin(), finer[c].end(), finer_.begin() + static_cast<std::ptrdiff_t>(first[c]));
+    for (std::size_t i = begin * kDirections; i < end * kDirections; ++i)
+      if (static_cast<NeighborKind>(links_[i] >> 62) == NeighborKind::finer) links_[i] += first[c];
+  });
 }
 
 std::span<const std::uint32_t> Octree::neighbors(std::size_t leaf, int dir) const {

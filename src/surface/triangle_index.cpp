@@ -10,6 +10,7 @@ namespace burnish {
 namespace {
 
 constexpr std::uint32_t kLeafFacets = 4;
+constexpr std::size_t kSubtrees = 16, kSubtreeFacets = 4096;  // that are built at the same time; no smaller ones
 // Slivers whose height over their longest side is below the root of this have no reliable plane; their edges serve.
 constexpr double kFlat = 1e-22;
 
@@ -81,113 +82,134 @@ double solid_angle_fraction(const Vec3& p, const Vec3& pa, const Vec3& pb, const
   return std::atan2(numerator, denominator) / (2 * std::numbers::pi);
 }
 
+// The tree's shape depends on the number of facets alone, so every subtree knows where its nodes will be: those of a
+// subtree stand together, its root first, then its left child's.
 TriangleIndex::TriangleIndex(const TriangleSoup& soup) {
   const std::size_t n = soup.facets.size();
-  std::vector<Vec3> centroids(n);
-  parallel_for(n, [&](std::size_t f) {
-    centroids[f] = (soup.corner(f, 0) + soup.corner(f, 1) + soup.corner(f, 2)) / 3.0;
-  });
   facet_ids_.resize(n);
   std::iota(facet_ids_.begin(), facet_ids_.end(), 0u);
   if (n == 0) return;
-  nodes_.reserve(n);
   corners_.resize(n);
-  // Boxes need the corners in slot order, which the recursion fixes leaf by leaf.
-  const auto corners_of = [&](std::uint32_t f) {
-    return std::array<Vec3, 3>{soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2)};
-  };
-  build(facet_ids_, centroids, 0, static_cast<std::uint32_t>(n));
-  parallel_for(n, [&](std::size_t slot) { corners_[slot] = corners_of(facet_ids_[slot]); });
-  for (std::size_t i = nodes_.size(); i-- > 0;) {
-    Node& node = nodes_[i];
-    Box3 box;
-    if (node.count > 0) {
-      for (std::uint32_t s = node.first; s < node.first + node.count; ++s)
-        for (const Vec3& v : corners_[s]) box.extend(v);
-    } else {
-      for (const Node& child : {nodes_[i + 1], nodes_[node.first]}) {
-        box.extend(child.lower);
-        box.extend(child.upper);
-      }
-    }
-    node.lower = box.lower;
-    node.upper = box.upper;
+  nodes_.resize(nodes_in_subtree(n));
+  moments_.resize(nodes_.size());
+  LargeArray<Vec3> centroids(n);
+  parallel_for(n, [&](std::size_t f) {
+    centroids[f] = (soup.corner(f, 0) + soup.corner(f, 1) + soup.corner(f, 2)) / 3.0;
+  });
+  // Level by level from the root until there are enough subtrees for all threads, then subtree by subtree.
+  std::vector<Subtree> subtrees{{0, 0, static_cast<std::uint32_t>(n)}}, above;
+  while (subtrees.size() < kSubtrees && subtrees.front().end - subtrees.front().begin > kSubtreeFacets) {
+    std::vector<Subtree> halves(2 * subtrees.size());
+    parallel_chunks(subtrees.size(), [&](std::size_t i) {
+      const auto [left, right] = split(subtrees[i], centroids);
+      halves[2 * i] = left;
+      halves[2 * i + 1] = right;
+    });
+    above.insert(above.end(), subtrees.begin(), subtrees.end());
+    subtrees = std::move(halves);
   }
-  compute_moments();
+  std::vector<double> area(nodes_.size());
+  parallel_chunks(subtrees.size(), [&](std::size_t i) {
+    const Subtree& tree = subtrees[i];
+    build(tree, centroids);
+    for (std::uint32_t s = tree.begin; s < tree.end; ++s)
+      corners_[s] = {soup.corner(facet_ids_[s], 0), soup.corner(facet_ids_[s], 1), soup.corner(facet_ids_[s], 2)};
+    for (std::size_t node = tree.root + nodes_in_subtree(tree.end - tree.begin); node-- > tree.root;) summarise(node, area);
+  });
+  for (std::size_t i = above.size(); i-- > 0;) summarise(above[i].root, area);
 }
 
-std::uint32_t TriangleIndex::build(std::vector<std::uint32_t>& order, const std::vector<Vec3>& centroids,
-                                   std::uint32_t begin, std::uint32_t end) {
-  const auto index = static_cast<std::uint32_t>(nodes_.size());
-  nodes_.emplace_back();
-  if (end - begin <= kLeafFacets) {
-    nodes_[index].first = begin;
-    nodes_[index].count = end - begin;
-    return index;
-  }
+std::size_t TriangleIndex::nodes_in_subtree(std::size_t facets) {
+  return facets <= kLeafFacets ? 1 : 1 + nodes_in_subtree(facets / 2) + nodes_in_subtree(facets - facets / 2);
+}
+
+std::array<TriangleIndex::Subtree, 2> TriangleIndex::split(const Subtree& tree, const LargeArray<Vec3>& centroids) {
+  const auto [root, begin, end] = tree;
   Box3 box;
-  for (std::uint32_t s = begin; s < end; ++s) box.extend(centroids[order[s]]);
+  for (std::uint32_t s = begin; s < end; ++s) box.extend(centroids[facet_ids_[s]]);
   const Vec3 e = box.extent();
   const int axis = e.x >= e.y && e.x >= e.z ? 0 : e.y >= e.z ? 1 : 2;
   const std::uint32_t middle = begin + (end - begin) / 2;
-  std::nth_element(order.begin() + begin, order.begin() + middle, order.begin() + end,
-                   [&](std::uint32_t f, std::uint32_t g) {
-                     const double a = centroids[f][axis], b = centroids[g][axis];
-                     return a != b ? a < b : f < g;
-                   });
-  build(order, centroids, begin, middle);
-  const std::uint32_t right = build(order, centroids, middle, end);
-  nodes_[index].first = right;
-  return index;
+  const auto at = [&](std::uint32_t s) { return facet_ids_.begin() + static_cast<std::ptrdiff_t>(s); };
+  std::nth_element(at(begin), at(middle), at(end), [&](std::uint32_t f, std::uint32_t g) {
+    const double a = centroids[f][axis], b = centroids[g][axis];
+    return a != b ? a < b : f < g;
+  });
+  const auto right = static_cast<std::uint32_t>(root + 1 + nodes_in_subtree(middle - begin));
+  nodes_[root].first = right;
+  nodes_[root].count = 0;
+  return {{{root + 1, begin, middle}, {right, middle, end}}};
 }
 
-void TriangleIndex::compute_moments() {
-  moments_.resize(nodes_.size());
-  // Facet range of every node: leaves know theirs, inner nodes join their children's.
-  std::vector<std::array<std::uint32_t, 2>> range(nodes_.size());
-  std::vector<double> area(nodes_.size(), 0.0);
-  for (std::size_t i = nodes_.size(); i-- > 0;) {
-    const Node& node = nodes_[i];
-    Moments& m = moments_[i];
-    if (node.count == 0) {
-      const std::size_t l = i + 1, r = node.first;
-      range[i] = {range[l][0], range[r][1]};
-      area[i] = area[l] + area[r];
-      m.center = area[i] > 0 ? (moments_[l].center * area[l] + moments_[r].center * area[r]) / area[i]
-                             : (node.lower + node.upper) * 0.5;
-      for (const std::size_t child : {l, r}) {
-        const Moments& mc = moments_[child];
-        m.area_normal += mc.area_normal;
-        const Vec3 shift = mc.center - m.center;
-        for (int u = 0; u < 3; ++u)
-          for (int v = 0; v < 3; ++v) {
-            const auto k = static_cast<std::size_t>(3 * u + v);
-            m.first[k] += mc.first[k] + shift[u] * mc.area_normal[v];
-          }
-      }
-    } else {
-      range[i] = {node.first, node.first + node.count};
-      Vec3 weighted;
-      for (std::uint32_t s = range[i][0]; s < range[i][1]; ++s) {
-        const auto& [a, b, c] = corners_[s];
-        const Vec3 n = cross(b - a, c - a) * 0.5;
-        const double facet_area = norm(n);
-        area[i] += facet_area;
-        weighted += (a + b + c) * (facet_area / 3);
-        m.area_normal += n;
-      }
-      m.center = area[i] > 0 ? weighted / area[i] : (node.lower + node.upper) * 0.5;
-      for (std::uint32_t s = range[i][0]; s < range[i][1]; ++s) {
-        const auto& [a, b, c] = corners_[s];
-        const Vec3 n = cross(b - a, c - a) * 0.5;
-        const Vec3 d = (a + b + c) / 3.0 - m.center;
-        for (int u = 0; u < 3; ++u)
-          for (int v = 0; v < 3; ++v) m.first[static_cast<std::size_t>(3 * u + v)] += d[u] * n[v];
-      }
-    }
-    const Vec3 reach = max(node.upper - m.center, m.center - node.lower);
-    m.radius_squared = squared_norm(reach) * kBeta * kBeta;
+void TriangleIndex::build(const Subtree& tree, const LargeArray<Vec3>& centroids) {
+  if (tree.end - tree.begin <= kLeafFacets) {
+    nodes_[tree.root].first = tree.begin;
+    nodes_[tree.root].count = tree.end - tree.begin;
+    return;
   }
+  for (const Subtree& half : split(tree, centroids)) build(half, centroids);
+}
+
+// Box and moments of a node, its children's being known.
+void TriangleIndex::summarise(std::size_t i, std::vector<double>& area) {
+  Node& node = nodes_[i];
+  if (node.count == 0) {
+    const std::size_t left = i + 1, right = node.first;
+    node.lower = min(nodes_[left].lower, nodes_[right].lower);
+    node.upper = max(nodes_[left].upper, nodes_[right].upper);
+    area[i] = area[left] + area[right];
+    join_moments(i, left, right, area);
+  } else {
+    Box3 box;
+    for (std::uint32_t s = node.first; s < node.first + node.count; ++s)
+      for (const Vec3& v : corners_[s]) box.extend(v);
+    node.lower = box.lower;
+    node.upper = box.upper;
+    area[i] = sum_moments(i);
+  }
+  const Vec3 reach = max(node.upper - moments_[i].center, moments_[i].center - node.lower);
+  moments_[i].radius_squared = squared_norm(reach) * kBeta * kBeta;
+}
+
+void TriangleIndex::join_moments(std::size_t i, std::size_t left, std::size_t right, const std::vector<double>& area) {
+  Moments& m = moments_[i];
+  m.center = area[i] > 0 ? (moments_[left].center * area[left] + moments_[right].center * area[right]) / area[i]
+                         : (nodes_[i].lower + nodes_[i].upper) * 0.5;
+  for (const std::size_t child : {left, right}) {
+    const Moments& mc = moments_[child];
+    m.area_normal += mc.area_normal;
+    const Vec3 shift = mc.center - m.center;
+    for (int u = 0; u < 3; ++u)
+      for (int v = 0; v < 3; ++v) {
+        const auto k = static_cast<std::size_t>(3 * u + v);
+        m.first[k] += mc.first[k] + shift[u] * mc.area_normal[v];
+      }
+  }
+}
+
+// Of a leaf's facets; returns their area.
+double TriangleIndex::sum_moments(std::size_t i) {
+  const Node& node = nodes_[i];
+  Moments& m = moments_[i];
+  double area = 0;
+  Vec3 weighted;
+  for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
+    const auto& [a, b, c] = corners_[s];
+    const Vec3 n = cross(b - a, c - a) * 0.5;
+    const double facet_area = norm(n);
+    area += facet_area;
+    weighted += (a + b + c) * (facet_area / 3);
+    m.area_normal += n;
+  }
+  m.center = area > 0 ? weighted / area : (node.lower + node.upper) * 0.5;
+  for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
+    const auto& [a, b, c] = corners_[s];
+    const Vec3 n = cross(b - a, c - a) * 0.5;
+    const Vec3 d = (a + b + c) / 3.0 - m.center;
+    for (int u = 0; u < 3; ++u)
+      for (int v = 0; v < 3; ++v) m.first[static_cast<std::size_t>(3 * u + v)] += d[u] * n[v];
+  }
+  return area;
 }
 
 TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squared) const {

@@ -129,9 +129,9 @@ TEST(Redistance, ClampsToTheBandAndKeepsSigns) {
   for_each_near_node(set, [](const Vec3& p, float& phi) { phi *= 1 + 0.2f * static_cast<float>(std::sin(p.x)); });
   const Field<float> before = set.phi;
   redistance(set);
-  for (std::size_t i = 0; i < before.values.size(); ++i) {
-    ASSERT_EQ(set.phi.values[i] >= 0, before.values[i] >= 0);
-    ASSERT_LE(std::abs(set.phi.values[i]), 3);
+  for (std::size_t i = 0; i < before.values().size(); ++i) {
+    ASSERT_EQ(set.phi.values()[i] >= 0, before.values()[i] >= 0);
+    ASSERT_LE(std::abs(set.phi.values()[i]), 3);
   }
 }
 
@@ -141,9 +141,9 @@ TEST(Redistance, SameBitsForAnyNumberOfThreads) {
     auto ball = analytic_ball<float>(20, {0.2, 0.4, 0.6}, 4);
     for_each_near_node(ball.set, [](const Vec3& p, float& phi) { phi *= 1 + 0.2f * static_cast<float>(std::sin(p.x)); });
     redistance(ball.set);
-    return ball.set.phi.values;
+    return ball.set.phi.values();
   };
-  const std::vector<float> one = run(1), four = run(4);
+  const LargeArray<float> one = run(1), four = run(4);
   EXPECT_EQ(std::memcmp(one.data(), four.data(), one.size() * sizeof(float)), 0);
 }
 

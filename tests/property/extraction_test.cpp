@@ -299,7 +299,7 @@ TEST(Extraction, PlainNodesKeepTheSurfaceClosed) {
     EXPECT_EQ(first.origins.empty(), first.transition_cells > 0);
     if (first.origins.empty()) {  // transition cells: mark nodes at random instead
       plain.marked = Field<std::uint8_t>(tree.size(), 0);
-      for (std::uint8_t& mark : plain.marked.values) mark = engine() % 8 == 0;
+      for (std::uint8_t& mark : plain.marked.values()) mark = engine() % 8 == 0;
     } else {
       ASSERT_EQ(first.origins.size(), first.soup.points.size());
       for (int round = 0; round < 10; ++round) mark_plain(tree, {first.origins[engine() % first.origins.size()]}, plain);

@@ -67,6 +67,43 @@ TEST(GrowProperty, OverlapAgreesWithDenseSamples) {
   EXPECT_GT(misses, 50u);
 }
 
+// The least distance from a cube of half side 1 to points of a triangle, by subdivision.
+double sampled_distance(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& center, int n) {
+  double least = 1e300;
+  for (int i = 0; i <= n; ++i)
+    for (int j = 0; i + j <= n; ++j) {
+      const Vec3 p = a + (b - a) * (double(i) / n) + (c - a) * (double(j) / n) - center;
+      const Vec3 gap = max(max(p - Vec3{1, 1, 1}, Vec3{-1, -1, -1} - p), Vec3{});
+      least = std::min(least, norm(gap));
+    }
+  return least;
+}
+
+TEST(GrowProperty, NearnessAgreesWithDenseSamples) {
+  std::size_t hits = 0, misses = 0, in_vain = 0;
+  for (unsigned seed = 1; seed <= 600; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const Vec3 a = random_point(random, -5, 5), b = random_point(random, -5, 5), c = random_point(random, -5, 5);
+    const Vec3 center = random_point(random, -1, 1);
+    const double reach = 0.5 + static_cast<double>(seed % 4);
+    const bool near = TriangleNearBox(a, b, c, reach)(center, 1);
+    const double least = sampled_distance(a, b, c, center, 64);
+    if (least <= reach) {
+      ASSERT_TRUE(near);
+      ++hits;
+    } else if (least > 1.4143 * reach + 0.2) {
+      ASSERT_FALSE(near);
+      ++misses;
+    } else if (least > reach + 0.2) {
+      in_vain += near;
+    }
+  }
+  EXPECT_GT(hits, 100u);
+  EXPECT_GT(misses, 50u);
+  EXPECT_LT(in_vain, 30u);
+}
+
 TEST(GrowProperty, TouchingCounts) {
   // In the plane of a face, through an edge, through a corner; and just off each.
   EXPECT_TRUE(triangle_overlaps_cube({1, -9, -9}, {1, 9, -9}, {1, 0, 9}, {0, 0, 0}, 1));
@@ -90,8 +127,7 @@ TEST(GrowProperty, BandListsAreThoseOfBruteForce) {
         for (std::uint32_t x = 0; x < 8; ++x) {
           std::vector<std::uint32_t> expected;
           for (std::uint32_t f = 0; f < soup.facets.size(); ++f)
-            if (triangle_overlaps_cube(soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2), {8 * x + 4.0, 8 * y + 4.0, 8 * z + 4.0},
-                                       4 + band))
+            if (TriangleNearBox(soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2), band + 1e-6)({8 * x + 3.5, 8 * y + 3.5, 8 * z + 3.5}, 3.5))
               expected.push_back(f);
           const std::uint32_t leaf = grid.octree.find({x, y, z});
           const auto facets = grid.facets_of(leaf);

@@ -219,8 +219,8 @@ TEST(Sign, SameBitsForAnyNumberOfThreads) {
     return make(soup, 1.0 / 24);
   };
   const LevelSetFromTriangles one = build(1), four = build(4);
-  ASSERT_EQ(one.level_set.phi.values.size(), four.level_set.phi.values.size());
-  EXPECT_EQ(std::memcmp(one.level_set.phi.values.data(), four.level_set.phi.values.data(), one.level_set.phi.values.size() * sizeof(float)), 0);
+  ASSERT_EQ(one.level_set.phi.values().size(), four.level_set.phi.values().size());
+  EXPECT_EQ(std::memcmp(one.level_set.phi.values().data(), four.level_set.phi.values().data(), one.level_set.phi.values().size() * sizeof(float)), 0);
   EXPECT_EQ(one.winding_evaluations, four.winding_evaluations);
   EXPECT_EQ(one.interior_facets, four.interior_facets);
 }

@@ -13,8 +13,10 @@ namespace burnish {
 
 struct DistanceField {
   Field<float> distance;          // in cells; at most `band`
-  Field<std::uint32_t> nearest;   // index of a closest facet; kNoFacet beyond the band
+  Field<std::uint32_t> nearest;   // index of a closest facet; kNoFacet beyond the band; empty if not kept
 };
+
+enum class KeepNearest { yes, no };
 
 // The distance of every node of the octree to the nearest facet, where it is at most `band` cells; `band`
 // where it is more. `active` (empty: all) says which facets take part. Only leaves with facets are
@@ -24,7 +26,7 @@ struct DistanceField {
 // Point-triangle distance after Ericson 2005, sec. 5.1.5, in a form without branches: the minimum over the three
 // edges, or the plane's where the projection falls inside. About 5 ns per node and facet.
 DistanceField exact_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, double band,
-                              const std::vector<char>& active = {}, Progress& progress = no_progress());
+                              const std::vector<char>& active = {}, Progress& progress = no_progress(), KeepNearest keep = KeepNearest::yes);
 
 // The same for one leaf, in double: `squared` and `nearest` get 512 values each. What `exact_distances` rounds.
 void exact_squared_distances(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, std::size_t leaf,

@@ -15,7 +15,7 @@ namespace burnish {
 // too large only where the closest facet is none of its neighbourhood's, near the medial axis. Nodes within the band
 // keep their values. Facets that are not `active` (empty: all are) must not occur in `field.nearest`.
 //
-// Without any facet in the band the field stays as it is. Same bits for any number of threads.
+// Afterwards every leaf stores its values. Without any facet in the band the field stays as it is. Same bits for any number of threads.
 void spread_far_field(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, DistanceField& field,
                       Progress& progress = no_progress());
 

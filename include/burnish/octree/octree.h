@@ -79,7 +79,7 @@ class Octree {
 
  private:
   void link();
-  std::uint64_t link_of(std::size_t leaf, int direction);
+  std::uint64_t link_of(std::size_t leaf, int direction, std::vector<std::uint32_t>& finer) const;
 
   int depth_ = 0;
   std::vector<std::uint64_t> keys_;

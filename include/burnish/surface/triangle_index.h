@@ -4,10 +4,12 @@
 // centroids' box: O(n log n) to build, the same tree for any number of threads.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
 
+#include "burnish/core/large_array.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -64,15 +66,22 @@ class TriangleIndex {
     std::array<double, 9> first{};      // sum of (centroid - center) outer vector area, row-major
   };
 
-  std::uint32_t build(std::vector<std::uint32_t>& order, const std::vector<Vec3>& centroids, std::uint32_t begin,
-                      std::uint32_t end);
-  void compute_moments();
+  struct Subtree {
+    std::uint32_t root = 0, begin = 0, end = 0;  // first node; facet slots
+  };
+
+  static std::size_t nodes_in_subtree(std::size_t facets);
+  std::array<Subtree, 2> split(const Subtree& tree, const LargeArray<Vec3>& centroids);
+  void build(const Subtree& tree, const LargeArray<Vec3>& centroids);
+  void summarise(std::size_t node, std::vector<double>& area);
+  void join_moments(std::size_t node, std::size_t left, std::size_t right, const std::vector<double>& area);
+  double sum_moments(std::size_t leaf);
 
   static constexpr double kBeta = 3.0;
-  std::vector<Node> nodes_;
-  std::vector<Moments> moments_;
+  LargeArray<Node> nodes_;
+  LargeArray<Moments> moments_;
   std::vector<std::uint32_t> facet_ids_;          // slot -> facet of the soup
-  std::vector<std::array<Vec3, 3>> corners_;      // slot -> triangle
+  LargeArray<std::array<Vec3, 3>> corners_;      // slot -> triangle
 };
 
 }  // namespace burnish

@@ -43,7 +43,7 @@ void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress
     progress.check();
     std::array<T, std::size_t{side} * side * side> dense;
     for (std::size_t leaf = begin; leaf < end; ++leaf) {
-      if (set.octree().level(leaf) != 0) continue;
+      if (set.octree().level(leaf) != 0 || !set.phi.stores(leaf)) continue;
       const T* old = set.phi.block(leaf);
       T* out = next.block(leaf);
       if (std::all_of(old, old + kBlockNodes, [&](T v) { return std::abs(v) >= active; })) {
@@ -93,14 +93,14 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Cons
 
 void clamp_to(const Field<float>& reference, double deviation, Field<float>& phi) {
   const auto t = static_cast<float>(deviation);
-  parallel_for(phi.values.size(), [&](std::size_t i) {
-    phi.values[i] = std::clamp(phi.values[i], reference.values[i] - t, reference.values[i] + t);  // [T-FLOW-5]
+  parallel_for(phi.values().size(), [&](std::size_t i) {
+    phi.values()[i] = std::clamp(phi.values()[i], reference.values()[i] - t, reference.values()[i] + t);  // [T-FLOW-5]
   }, 16384);
 }
 
 void shift(Field<float>& phi, double by) {
   const auto s = static_cast<float>(by);
-  parallel_for(phi.values.size(), [&](std::size_t i) { phi.values[i] += s; }, 16384);
+  parallel_for(phi.values().size(), [&](std::size_t i) { phi.values()[i] += s; }, 16384);
 }
 
 }  // namespace
