@@ -71,7 +71,7 @@ nlohmann::ordered_json measure(const BandRequest& request, const TriangleSoup& s
   line["near_nodes"] = near * kBlockNodes;
   line["active"] = active;
   add_costs(line, clock.stages(), active);
-  line["result_mb"] = 1e-6 * static_cast<double>(band.grid.bytes() + band.phi.values.size() * sizeof(float));
+  line["result_mb"] = std::round(1e-5 * static_cast<double>(band.grid.bytes() + band.phi.values.size() * sizeof(float))) / 10;
   return line;
 }
 

@@ -34,6 +34,8 @@ double number(std::string_view option, const char* text) {
   return value;
 }
 
+double rounded(double value, double parts) { return std::round(value * parts) / parts; }
+
 // Uniform in [-1, 1), the same on every machine: splitmix64 (Steele, Lea, Flood 2014) of seed and number.
 double noise(std::uint64_t n) {
   std::uint64_t z = kSeed + (n + 1) * 0x9e3779b97f4a7c15u;
@@ -129,7 +131,7 @@ nlohmann::ordered_json line_of(const BandRequest& request, const std::string& pr
           {"jitter", request.jitter},
           {"facets", soup.facets.size()},
           {request.along_diagonal ? "diagonal" : "resolution", request.cells},
-          {"cells_per_side", std::round(10 * box.longest_side() / cell_of(request, soup)) / 10},
+          {"cells_per_side", rounded(box.longest_side() / cell_of(request, soup), 10)},
           {"band", request.band},
           {"signed", request.is_signed},
           {"threads", request.threads > 0 ? request.threads : thread_count()},
@@ -142,13 +144,13 @@ void add_costs(nlohmann::ordered_json& line, const std::vector<StageCost>& stage
     cpu += stage.cpu_seconds;
     wall += stage.wall_seconds;
   }
-  line["cpu_seconds"] = cpu;
-  line["wall_seconds"] = wall;
-  if (active > 0) line["ns_per_active"] = 1e9 * cpu / static_cast<double>(active);
-  line["peak_mb"] = 1e-6 * static_cast<double>(process_peak_bytes());
+  line["cpu_seconds"] = rounded(cpu, 1e4);
+  line["wall_seconds"] = rounded(wall, 1e4);
+  if (active > 0) line["ns_per_active"] = rounded(1e9 * cpu / static_cast<double>(active), 1);
+  line["peak_mb"] = rounded(1e-6 * static_cast<double>(process_peak_bytes()), 10);
   if (stages.size() < 2) return;
   for (const StageCost& stage : stages)
-    line["stages"][stage.name] = {{"cpu_seconds", stage.cpu_seconds}, {"wall_seconds", stage.wall_seconds}};
+    line["stages"][stage.name] = {{"cpu_seconds", rounded(stage.cpu_seconds, 1e4)}, {"wall_seconds", rounded(stage.wall_seconds, 1e4)}};
 }
 
 int run_band_program(int argc, const char* const* argv, nlohmann::ordered_json (*measure)(const BandRequest&, const TriangleSoup&)) {
