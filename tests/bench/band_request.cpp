@@ -65,7 +65,7 @@ TriangleSoup subdivided(const TriangleSoup& soup, double jitter) {
     const auto [a, b, c] = soup.facets[f];
     const auto middle = [&](std::size_t side) { return static_cast<std::uint32_t>(soup.points.size() + edges[f][side]); };
     const std::uint32_t ab = middle(0), bc = middle(1), ca = middle(2);
-    for (const Facet& facet : {Facet{a, ab, ca}, Facet{b, bc, ab}, Facet{c, ca, bc}, Facet{ab, bc, ca}}) finer.facets.push_back(facet);
+    finer.facets.insert(finer.facets.end(), {{a, ab, ca}, {b, bc, ab}, {c, ca, bc}, {ab, bc, ca}});
   }
   return finer;
 }
@@ -150,10 +150,12 @@ void add_costs(nlohmann::ordered_json& line, const std::vector<StageCost>& stage
   line["peak_mb"] = rounded(1e-6 * static_cast<double>(process_peak_bytes()), 10);
   if (stages.size() < 2) return;
   for (const StageCost& stage : stages)
-    line["stages"][stage.name] = {{"cpu_seconds", rounded(stage.cpu_seconds, 1e4)}, {"wall_seconds", rounded(stage.wall_seconds, 1e4)}};
+    line["stages"][stage.name] = {{"cpu_seconds", rounded(stage.cpu_seconds, 1e4)},
+                                  {"wall_seconds", rounded(stage.wall_seconds, 1e4)}};
 }
 
-int run_band_program(int argc, const char* const* argv, nlohmann::ordered_json (*measure)(const BandRequest&, const TriangleSoup&)) {
+int run_band_program(int argc, const char* const* argv,
+                     nlohmann::ordered_json (*measure)(const BandRequest&, const TriangleSoup&)) {
   try {
     const BandRequest request = parse_band_request(argc, argv);
     const ThreadLimit limit(request.threads);

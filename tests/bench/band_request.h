@@ -50,6 +50,7 @@ nlohmann::ordered_json line_of(const BandRequest& request, const std::string& pr
 void add_costs(nlohmann::ordered_json& line, const std::vector<StageCost>& stages, std::size_t active);
 
 // Runs a program: prints the line that `measure` gives, or the error on standard error. Returns the exit code.
-int run_band_program(int argc, const char* const* argv, nlohmann::ordered_json (*measure)(const BandRequest&, const TriangleSoup&));
+int run_band_program(int argc, const char* const* argv,
+                     nlohmann::ordered_json (*measure)(const BandRequest&, const TriangleSoup&));
 
 }  // namespace burnish::bench

@@ -55,7 +55,8 @@ Nodes nodes_of_band(const BandRequest& request, const TriangleSoup& lattice, int
     const int in_block = static_cast<int>(i % kBlockNodes);
     const LatticeNode node = lattice_node(grid.octree, i / kBlockNodes, in_block % kBlockSide, in_block / kBlockSide % kBlockSide,
                                           in_block / (kBlockSide * kBlockSide));
-    nodes.sample.push_back({{static_cast<double>(node.x), static_cast<double>(node.y), static_cast<double>(node.z)}, distance.values[i]});
+    const Vec3 at{static_cast<double>(node.x), static_cast<double>(node.y), static_cast<double>(node.z)};
+    nodes.sample.push_back({point(at), distance.values[i]});
   }
   return nodes;
 }

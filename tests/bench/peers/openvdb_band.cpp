@@ -26,7 +26,7 @@ Mesh mesh_of(const TriangleSoup& soup) {
   Mesh mesh;
   mesh.points.reserve(soup.points.size());
   mesh.facets.reserve(soup.facets.size());
-  for (const Vec3& p : soup.points) mesh.points.emplace_back(static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z));
+  for (const Vec3& p : soup.points) mesh.points.emplace_back(openvdb::Vec3d(p.x, p.y, p.z));
   for (const Facet& f : soup.facets) mesh.facets.emplace_back(f[0], f[1], f[2]);
   return mesh;
 }
@@ -61,9 +61,10 @@ nlohmann::ordered_json measure(const BandRequest& request, const TriangleSoup& s
   clock.begin("band");
   const auto transform = openvdb::math::Transform::createLinearTransform(cell);
   const float width = static_cast<float>(request.band);
-  const auto grid = request.is_signed
-                        ? openvdb::tools::meshToLevelSet<openvdb::FloatGrid>(*transform, mesh.points, mesh.facets, width)
-                        : openvdb::tools::meshToUnsignedDistanceField<openvdb::FloatGrid>(*transform, mesh.points, mesh.facets, {}, width);
+  using namespace openvdb::tools;
+  const auto grid =
+      request.is_signed ? meshToLevelSet<openvdb::FloatGrid>(*transform, mesh.points, mesh.facets, width)
+                        : meshToUnsignedDistanceField<openvdb::FloatGrid>(*transform, mesh.points, mesh.facets, {}, width);
   clock.end();
 
   nlohmann::ordered_json line = line_of(request, "openvdb", soup);
