@@ -28,8 +28,19 @@ std::size_t nodes_near_surface(const SurfaceOctree& of) {
   return near * kBlockNodes;
 }
 
+std::size_t finest_nodes(const SurfaceOctree& of) {
+  std::size_t finest = 0;
+  for (std::size_t leaf = 0; leaf < of.octree.size(); ++leaf) finest += of.octree.level(leaf) == 0;
+  return finest * kBlockNodes;
+}
+
+// CPU time per node near the surface, and how many nodes the coarser levels hold, which cost memory and no distances.
 void count_nodes(benchmark::State& state, const SurfaceOctree& of) {
-  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * nodes_near_surface(of)));
+  using benchmark::Counter;
+  const std::size_t near = nodes_near_surface(of);
+  state.SetItemsProcessed(static_cast<std::int64_t>(state.iterations() * near));
+  state.counters["seconds_per_node"] = Counter(static_cast<double>(near), Counter::kIsIterationInvariantRate | Counter::kInvert);
+  state.counters["coarser_nodes"] = static_cast<double>(of.octree.size() * kBlockNodes - finest_nodes(of));
 }
 
 void grow_octree(benchmark::State& state) {
