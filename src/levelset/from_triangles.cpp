@@ -113,6 +113,7 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   // [T-FAR-1]
   if (options.far_field) spread_far_field(lattice_soup, set.grid, field, progress);
   set.phi = std::move(field.distance);
+  if (options.keep_nearest) result.nearest = std::move(field.nearest);
   parallel_for(set.phi.values.size(), [&](std::size_t i) {
     if (!classified.inside.values[i]) set.phi.values[i] = -set.phi.values[i];
   });
