@@ -15,7 +15,8 @@ namespace burnish {
 namespace {
 
 constexpr double kRelative = 1e-9, kOfDiagonal = 1e-12;  // allowed errors
-constexpr std::size_t kPerLeaf = 2;                      // nodes that a leaf gives to each stratum
+constexpr std::size_t kLeastPerLeaf = 2;                 // nodes that a leaf gives to each stratum
+constexpr double kSpare = 4;                             // times what leaves would give if each had every stratum
 constexpr std::size_t kLeavesAtOnce = 64;
 
 struct Candidate {
@@ -50,15 +51,18 @@ class LeafSample {
     exact_squared_distances(soup, set.grid, leaf, set.band, active, squared_.data(), nearest.data());
   }
 
-  std::vector<Candidate> take() {
+  // Up to so many nodes of each stratum, none of them twice.
+  std::vector<Candidate> take(std::size_t most) {
     std::array<std::vector<std::size_t>, kNodeStrata> nodes;
     for (std::size_t n = 0; n < kBlockNodes; ++n)
       nodes[static_cast<std::size_t>(stratum_of(std::sqrt(squared_[n]), set_.band))].push_back(n);
     nodes[static_cast<std::size_t>(NodeStratum::near_features)] = nodes_at_features();
     std::vector<Candidate> taken;
     for (std::size_t s = 0; s < kNodeStrata; ++s)
-      for (std::size_t i = 0; i < kPerLeaf && !nodes[s].empty(); ++i)
-        taken.push_back(candidate(nodes[s][below(random_, nodes[s].size())], static_cast<NodeStratum>(s)));
+      for (std::size_t i = 0; i < std::min(most, nodes[s].size()); ++i) {
+        std::swap(nodes[s][i], nodes[s][i + below(random_, nodes[s].size() - i)]);
+        taken.push_back(candidate(nodes[s][i], static_cast<NodeStratum>(s)));
+      }
     return taken;
   }
 
@@ -81,6 +85,8 @@ class LeafSample {
         for (const Vec3& at : {a, (a + b) * 0.5}) add_nearest(at, nodes);
       }
     }
+    std::sort(nodes.begin(), nodes.end());
+    nodes.erase(std::unique(nodes.begin(), nodes.end()), nodes.end());
     return nodes;
   }
 
@@ -105,12 +111,14 @@ std::vector<Candidate> choose_nodes(const TriangleSoup& soup, const std::vector<
                                     const DistanceCheckOptions& options, Progress& progress) {
   const std::vector<std::uint32_t> leaves = shuffled_near_leaves(set.grid, options.seed);
   const std::size_t part = (options.nodes + kNodeStrata - 1) / kNodeStrata;
+  const double per_leaf = kSpare * static_cast<double>(part) / static_cast<double>(std::max<std::size_t>(1, leaves.size()));
+  const std::size_t most = std::max(kLeastPerLeaf, static_cast<std::size_t>(std::ceil(per_leaf)));
   std::array<std::size_t, kNodeStrata> counts{};
   std::vector<Candidate> chosen;
   for (std::size_t first = 0; first < leaves.size() && std::ranges::any_of(counts, [&](std::size_t n) { return n < part; }); first += kLeavesAtOnce) {
     progress.check();
     std::vector<std::vector<Candidate>> found(std::min(kLeavesAtOnce, leaves.size() - first));
-    parallel_for(found.size(), [&](std::size_t i) { found[i] = LeafSample(soup, active, set, leaves[first + i], options.seed).take(); }, 1);
+    parallel_for(found.size(), [&](std::size_t i) { found[i] = LeafSample(soup, active, set, leaves[first + i], options.seed).take(most); }, 1);
     for (const auto& of_leaf : found)
       for (const Candidate& c : of_leaf)
         if (counts[static_cast<std::size_t>(c.stratum)]++ < part) chosen.push_back(c);

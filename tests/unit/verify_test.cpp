@@ -88,12 +88,16 @@ TEST(CheckDistances, AreTheSameForAnyNumberOfThreads) {
   EXPECT_EQ(figures(1), figures(4));
 }
 
-// As many as there are: a stratum that runs out gives what it has.
-TEST(CheckDistances, TakeNoMoreNodesThanALeafGives) {
-  const DistanceCheck check = build(cube(), 0.25, 2).check(1'000'000);
+// More than there are: every node near the surface is compared, and those at corners and edges once more.
+TEST(CheckDistances, OfAllNodes) {
+  const Built built = build(cube(), 0.25, 2);
+  std::size_t near = 0;
+  for (std::size_t leaf = 0; leaf < built.field.level_set.octree().size(); ++leaf) near += built.field.level_set.grid.near_surface(leaf);
+  const DistanceCheck check = built.check(1'000'000);
   EXPECT_TRUE(check.passed());
-  EXPECT_GT(check.total(), 8u);
-  EXPECT_LT(check.total(), 10'000u);
+  const std::size_t at_features = check.nodes[static_cast<std::size_t>(NodeStratum::near_features)];
+  EXPECT_GE(at_features, 8u);
+  EXPECT_EQ(check.total(), kBlockNodes * near + at_features);
 }
 
 }  // namespace
