@@ -1,11 +1,41 @@
 #include <fmt/format.h>
 
+#include <bit>
+
 #include "cell_stream.h"
 
 namespace burnish::detail {
 namespace {
 
 constexpr std::uint8_t kVoxel = 11;  // corners x fastest, then y, then z
+
+// Keys of a range's corners, each once, and a number for each. Open addressing, for no more keys than it was made for.
+class KeyTable {
+ public:
+  explicit KeyTable(std::size_t most) : mask_(std::bit_ceil(2 * most) - 1), keys_(mask_ + 1, kEmpty), numbers_(mask_ + 1) {}
+
+  // False if it was there already.
+  bool insert(std::uint64_t key) {
+    const std::size_t s = slot(key);
+    if (keys_[s] == key) return false;
+    keys_[s] = key;
+    return true;
+  }
+  std::int64_t& number(std::uint64_t key) { return numbers_[slot(key)]; }
+
+ private:
+  static constexpr std::uint64_t kEmpty = ~std::uint64_t{0};  // no key has the highest bit
+
+  std::size_t slot(std::uint64_t key) const {
+    std::size_t s = (key * 0x9e3779b97f4a7c15ull >> 32) & mask_;
+    while (keys_[s] != key && keys_[s] != kEmpty) s = (s + 1) & mask_;
+    return s;
+  }
+
+  std::size_t mask_;
+  std::vector<std::uint64_t> keys_;
+  std::vector<std::int64_t> numbers_;
+};
 
 class VtuWriter {
  public:
@@ -39,14 +69,13 @@ class VtuWriter {
     return result;
   }
 
-  // Keys of a range's corners in order, without copies.
-  std::vector<std::uint64_t> keys_of(std::size_t begin, std::size_t end) const {
+  // Keys of the cubes' corners in order, without copies.
+  std::vector<std::uint64_t> keys_of(const std::vector<LatticeCube>& cubes, KeyTable& table) const {
     std::vector<std::uint64_t> keys;
-    keys.reserve(8 * (end - begin));
-    for (const LatticeCube& cube : cubes_of(grid_, begin, end))
-      for (int corner = 0; corner < 8; ++corner) keys.push_back(key_of_corner(cube, corner));
+    for (const LatticeCube& cube : cubes)
+      for (int corner = 0; corner < 8; ++corner)
+        if (const std::uint64_t key = key_of_corner(cube, corner); table.insert(key)) keys.push_back(key);
     std::sort(keys.begin(), keys.end());
-    keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
     return keys;
   }
 
@@ -56,7 +85,10 @@ class VtuWriter {
       progress_.check();
       const std::size_t n = std::min(kPortion, grid_.count - first);
       std::vector<std::vector<std::uint64_t>> parts((n + kRange - 1) / kRange);
-      parallel_ranges(n, kRange, [&](std::size_t begin, std::size_t end) { parts[begin / kRange] = keys_of(first + begin, first + end); });
+      parallel_ranges(n, kRange, [&](std::size_t begin, std::size_t end) {
+        KeyTable table(8 * (end - begin));
+        parts[begin / kRange] = keys_of(cubes_of(grid_, first + begin, first + end), table);
+      });
       for (const auto& part : parts) points_.insert(points_.end(), part.begin(), part.end());
     }
     parallel_sort(points_);
@@ -107,20 +139,18 @@ class VtuWriter {
 
   // The range's keys in order stand in the same order among all: each is looked for from the one before it on.
   void put_corners(std::size_t begin, std::size_t end, char* to) const {
-    const std::vector<std::uint64_t> keys = keys_of(begin, end);
-    std::vector<std::int64_t> numbers;
+    const std::vector<LatticeCube> cubes = cubes_of(grid_, begin, end);
+    KeyTable table(8 * cubes.size());
     auto at = points_.begin();
-    for (const std::uint64_t key : keys) {
+    for (const std::uint64_t key : keys_of(cubes, table)) {
       std::ptrdiff_t step = 1;
       while (step < points_.end() - at && *(at + step) < key) step *= 2;
       at = std::lower_bound(at, at + std::min(step + 1, points_.end() - at), key);
-      numbers.push_back(at - points_.begin());
+      table.number(key) = at - points_.begin();
     }
-    for (const LatticeCube& cube : cubes_of(grid_, begin, end))
-      for (int corner = 0; corner < 8; ++corner, to += sizeof(std::int64_t)) {
-        const auto key = std::lower_bound(keys.begin(), keys.end(), key_of_corner(cube, corner));
-        std::memcpy(to, &numbers[static_cast<std::size_t>(key - keys.begin())], sizeof(std::int64_t));
-      }
+    for (const LatticeCube& cube : cubes)
+      for (int corner = 0; corner < 8; ++corner, to += sizeof(std::int64_t))
+        std::memcpy(to, &table.number(key_of_corner(cube, corner)), sizeof(std::int64_t));
   }
 
   VtkAppended out_;

@@ -88,15 +88,21 @@ class FieldRun {
     grid.bytes = set.grid.bytes() + set.phi.values.capacity() * sizeof(float);
     for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) grid.near_blocks += set.grid.near_surface(leaf);
     result_.volume = {report_.before.volume, signed_volume(prepared_.capped.soup), enclosed_volume(set) * cubed(set.frame.cell)};
-    result_.facets = built_.roles.size();
+    result_.facets = built_.facets.size();
     result_.regions = built_.regions;
   }
 
   void verify() {
     begin("comparing with exact distances");
-    const TriangleSoup lattice_soup = to_lattice(prepared_.capped.soup, built_.level_set.frame);
-    const double diagonal = bounding_box(lattice_soup).diagonal();
-    result_.verification = check_distances(lattice_soup, built_.roles, built_.level_set, {.nodes = job_.verify, .diagonal = diagonal}, progress_);
+    TriangleSoup soup{prepared_.capped.soup.points, {}, {}};
+    std::vector<FacetRole> roles;
+    for (const std::uint32_t f : built_.facets) {
+      soup.facets.push_back(prepared_.capped.soup.facets[f]);
+      roles.push_back(built_.roles[f]);
+    }
+    soup = to_lattice(soup, built_.level_set.frame);
+    const double diagonal = bounding_box(soup).diagonal();
+    result_.verification = check_distances(soup, roles, built_.level_set, {.nodes = job_.verify, .diagonal = diagonal}, progress_);
   }
 
   void write(OutputFile& file) {

@@ -136,7 +136,8 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
     const GridFrame frame = make_frame(bounding_box(prepared.oriented), options.cell, reach + kDomainMargin);
     result.level_set = level_set_of_shell(prepared.oriented, frame, half, set, progress);
   } else {
-    const std::vector<std::uint32_t> facets = facets_with_area(prepared.capped.soup);
+    result.facets = facets_with_area(prepared.capped.soup);
+    const std::vector<std::uint32_t>& facets = result.facets;
     TriangleSoup solid{prepared.capped.soup.points, {}, {}};
     for (const std::uint32_t f : facets) solid.facets.push_back(prepared.capped.soup.facets[f]);
     const GridFrame frame = make_frame(bounding_box(solid), options.cell, reach + kDomainMargin);

@@ -15,6 +15,8 @@ namespace burnish {
 struct BuiltLevelSet {
   LevelSet level_set;
   std::vector<FacetRole> roles;  // of the prepared soup's facets, caps included
+  // Those of them that have an area, which are what the octree's lists number. Not of a shell.
+  std::vector<std::uint32_t> facets;
   Field<std::uint32_t> nearest;  // the prepared soup's facet nearest to each node, if it was asked for
   std::size_t regions = 0;       // connected parts of the lattice that facets separate
 };

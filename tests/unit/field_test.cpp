@@ -64,6 +64,27 @@ TEST(Field, WritesWhatIsAskedFor) {
     }
 }
 
+// A facet without an area closes what it closes, and the octree's lists do not number it.
+TEST(Field, FacetsWithoutAnAreaAreNoPartOfIt) {
+  const Folder folder;
+  TriangleSoup soup = cube();
+  const Facet split = soup.facets[0];
+  const auto middle = static_cast<std::uint32_t>(soup.points.size());
+  soup.points.push_back((soup.corner(0, 0) + soup.corner(0, 1)) * 0.5);
+  soup.facets[0] = {split[0], middle, split[2]};
+  soup.facets.push_back({middle, split[1], split[2]});
+  soup.facets.insert(soup.facets.begin(), Facet{split[0], split[1], middle});
+  FieldJob job = job_for(folder, soup, 24);
+  job.verify = 1000;
+  job.output = folder.path("out.htg");
+  const FieldResult result = field(job);
+  ASSERT_FALSE(result.failure);
+  EXPECT_EQ(result.before.degenerate_facets, 1u);
+  EXPECT_EQ(result.facets, 13u);
+  ASSERT_TRUE(result.verification);
+  EXPECT_TRUE(result.verification->passed());
+}
+
 TEST(Field, AnOpenSheetHasNone) {
   const Folder folder;
   FieldJob job = job_for(folder, without_facets(cube(), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}), 24);

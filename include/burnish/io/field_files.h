@@ -77,7 +77,7 @@ struct WrittenField {
 // Writes to the open file descriptor `fd`, which must be able to seek, and leaves it open.
 // Throws Error{unwritable_output}, naming `label`, when the system refuses bytes; Error{memory_limit} if the domain is wider than
 // 2^20 cubes of the smallest size; Error{interrupted}.
-// Cost: about 0.3 us a cell and thread, and 10 (.htg) to 15 (.vtu) bytes of the file.
+// Cost: about 1.5 us of CPU time a cell and 22 bytes of the file for a .vtu, 0.6 us and 6 bytes for a .htg.
 WrittenField write_field(int fd, const std::string& label, const CellGrid& grid, FieldFormat format, Progress& progress = no_progress());
 
 }  // namespace burnish

@@ -71,7 +71,7 @@ struct FieldResult {
   Defects before;                     // of the input
   std::size_t regions = 0;            // connected parts of the lattice that facets separate
   std::size_t ambiguous_regions = 0;  // whose side had to be decided node by node
-  std::size_t facets = 0;             // that the level set was built from, caps included
+  std::size_t facets = 0;             // with an area, caps included: what the level set was built from
   std::size_t interior_facets = 0;    // of them, inside the solid: no part of its surface
   std::size_t unresolved_facets = 0;  // of them, outside on both sides: sheets, or walls thinner than a cell
   FieldGrid grid;
