@@ -37,8 +37,9 @@ std::string check_lines(const DistanceCheck& check, double cell) {
   for (std::size_t s = 0; s < kNodeStrata; ++s)
     strata += fmt::format("{}{} {}", s == 0 ? "" : ", ", check.nodes[s], name(static_cast<NodeStratum>(s)));
   const auto errors = [&](const ErrorSummary& e) {
-    return fmt::format("max {:.3g}, rms {:.3g}, {}", e.max * cell, e.rms * cell,
-                       e.exceeded == 0 ? fmt::format("at most {:.2g} of what is allowed", e.worst_share) : fmt::format("{} nodes beyond what is allowed", e.exceeded));
+    const std::string verdict = e.exceeded == 0 ? fmt::format("at most {:.2g} of what is allowed", e.worst_share)
+                                                : fmt::format("{} nodes beyond what is allowed", e.exceeded);
+    return fmt::format("max {:.3g}, rms {:.3g}, {}", e.max * cell, e.rms * cell, verdict);
   };
   return line("nodes compared", fmt::format("{}", check.total())) + line("", strata) + line("error of kernel", errors(check.kernel)) +
          line("error of phi", errors(check.stored));

@@ -115,7 +115,8 @@ std::vector<Candidate> choose_nodes(const TriangleSoup& soup, const std::vector<
   const std::size_t most = std::max(kLeastPerLeaf, static_cast<std::size_t>(std::ceil(per_leaf)));
   std::array<std::size_t, kNodeStrata> counts{};
   std::vector<Candidate> chosen;
-  for (std::size_t first = 0; first < leaves.size() && std::ranges::any_of(counts, [&](std::size_t n) { return n < part; }); first += kLeavesAtOnce) {
+  const auto is_lacking = [&](std::size_t count) { return count < part; };
+  for (std::size_t first = 0; first < leaves.size() && std::ranges::any_of(counts, is_lacking); first += kLeavesAtOnce) {
     progress.check();
     std::vector<std::vector<Candidate>> found(std::min(kLeavesAtOnce, leaves.size() - first));
     parallel_for(found.size(), [&](std::size_t i) { found[i] = LeafSample(soup, active, set, leaves[first + i], options.seed).take(most); }, 1);

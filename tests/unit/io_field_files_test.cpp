@@ -37,7 +37,9 @@ double center_sum(const LatticeCube& cube) {
 
 CellGrid grid_of(const std::vector<LatticeCube>& cubes, int depth) {
   CellGrid grid{{10, 20, 30}, 0.5, depth, cubes.size(), {}, {}, {}};
-  grid.cubes = [&cubes](std::size_t first, std::span<LatticeCube> to) { std::copy_n(cubes.begin() + static_cast<std::ptrdiff_t>(first), to.size(), to.begin()); };
+  grid.cubes = [&cubes](std::size_t first, std::span<LatticeCube> to) {
+    std::copy_n(cubes.begin() + static_cast<std::ptrdiff_t>(first), to.size(), to.begin());
+  };
   grid.cell_arrays.push_back({"sum", NumberType::float32, [](std::span<const LatticeCube> items, double* to) {
                                 for (const LatticeCube& c : items) *to++ = center_sum(c);
                               }});

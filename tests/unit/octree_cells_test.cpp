@@ -29,7 +29,8 @@ Vec3 center_of(const LatticeCube& cube) {
   return {cube.corner[0] + half, cube.corner[1] + half, cube.corner[2] + half};
 }
 
-// Whether the cube is so near to the domain's upper walls that a corner lies between nodes, one of which is beyond: values are continued there, not linear.
+// Whether the cube is so near to the domain's upper walls that a corner lies between nodes, one of which is beyond:
+// values are continued there, not linear.
 bool at_wall(const LatticeCube& cube, int depth) {
   for (const std::int32_t c : cube.corner)
     if (c + (4 << cube.level) > 1 << depth) return true;

@@ -16,7 +16,7 @@ namespace burnish {
 enum class NodeStratum : std::uint8_t {
   near_surface,   // closer than a cell: cancellation
   mid_band,       // between a cell from the surface and a cell from the band's edge
-  band_edge,      // the band's last cell: facets that no list names
+  band_edge,      // the band's last cell, and beyond: facets that no list names
   near_features,  // lattice nodes nearest to vertices and middles of edges of facets: the cases of the distance to a triangle
 };
 inline constexpr std::size_t kNodeStrata = 4;
