@@ -158,7 +158,7 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   set.frame = frame;
   set.band = band;
   set.grid = grow_uniform_band(lattice_soup, frame.depth, band, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
-  DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress, options.far_field ? KeepNearest::yes : KeepNearest::no);
+  DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress, options.far_field || options.keep_nearest ? KeepNearest::yes : KeepNearest::no);
   const InsideField classified = classify(lattice_soup, set.grid, field.distance, result, progress);
   if (result.interior_facets + result.unresolved_facets > 0) {
     std::vector<char> active(result.roles.size());
@@ -168,6 +168,7 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   // [T-FAR-1]
   if (options.far_field) spread_far_field(lattice_soup, set.grid, field, progress);
   set.phi = std::move(field.distance);
+  if (options.keep_nearest) result.nearest = std::move(field.nearest);
   give_signs(classified.inside, set.octree().size(), set.phi);
   return result;
 }

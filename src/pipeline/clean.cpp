@@ -3,27 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "burnish/io/mesh_io.h"
 #include "burnish/surface/transfer.h"
 #include "burnish/surface/triangle_index.h"
-#include "burnish/surface/weld.h"
 #include "cleaned_output.h"
 #include "level_set_gear.h"
 #include "local_gear.h"
 #include "losses.h"
 #include "prepare_input.h"
+#include "read_input.h"
 #include "resolve_options.h"
 
 namespace burnish {
 namespace {
 
-constexpr double kLargestDiagonal = 1e60, kSmallestDiagonal = 1e-60;
-constexpr double kLargeCaps = 0.1;          // of the input's area: caps beyond this are worth a warning
 constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
 constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
-constexpr double kRecentreSteps = 0x1p-22;  // of the coordinates' size: what it is moved by is a multiple of that
 
 // One run: the stages write into the report as they go.
 class Run {
@@ -53,32 +48,7 @@ class Run {
 
   void read() {
     begin("reading");
-    MeshFile file = read_mesh(job_.input, {.salvage = job_.salvage});
-    report_.input_format = name(file.format);
-    report_.warnings = std::move(file.warnings);
-    input_ = weld(std::move(file.soup));
-    report_.groups = summaries_of_groups(input_);
-    const double diagonal = bounding_box(input_).diagonal();
-    if (diagonal > kLargestDiagonal || (diagonal > 0 && diagonal < kSmallestDiagonal))
-      throw Error(ErrorCode::unreadable_input,
-                  fmt::format("{}: expected a size between {:g} and {:g}, found a bounding box with a diagonal of {:g}", job_.input,
-                              kSmallestDiagonal, kLargestDiagonal, diagonal),
-                  "areas and volumes of such a model are beyond double precision: scale it");
-    if (job_.options.recentre) recentre();
-    report_.options = resolve_lengths(job_.options, diagonal);
-  }
-
-  // Multiples of a power of two, so that differences of float32 coordinates stay exact.
-  void recentre() {
-    const Box3 box = bounding_box(input_);
-    const Vec3 reach = max(box.upper, box.lower * -1.0);
-    const double size = std::max({reach.x, reach.y, reach.z});
-    if (!(size > 0)) return;
-    const double step = std::exp2(std::ceil(std::log2(size))) * kRecentreSteps;
-    const Vec3 c = box.center();
-    report_.recentred_by = {std::round(c.x / step) * step, std::round(c.y / step) * step, std::round(c.z / step) * step};
-    for (Vec3& p : input_.points) p -= report_.recentred_by;
-    input_ = weld(std::move(input_));
+    input_ = read_input(job_.input, job_.salvage, job_.options, report_);
   }
 
   // Inspects, orients and caps the input. False if it bounds no solid, and that was needed.
@@ -87,27 +57,7 @@ class Run {
     inspection_ = inspect(input_, {}, progress_);
     report_.before = inspection_.defects;
     begin("preparing");
-    prepared_ = prepare_input(input_, inspection_.self_intersections, job_.options, report_);
-    if (job_.options.thicken || job_.options.keeps_openings()) return !nothing_left();
-    if (report_.before.valid_solid() && report_.components.size() == prepared_.shells.shells.size()) return true;  // nothing was dropped
-    report_.failure = reason_for_no_solid(input_, prepared_, report_.before);
-    if (!report_.failure) warn_of_large_caps();
-    return !report_.failure;
-  }
-
-  bool nothing_left() {
-    if (area(prepared_.oriented) > 0) return false;
-    report_.failure = Error(ErrorCode::guarantee_unmet, fmt::format("nothing to work on: none of the {} facets has an area", input_.facets.size()),
-                            "re-export the model; every facet in this file is a line or a point");
-    return true;
-  }
-
-  void warn_of_large_caps() {
-    const double share = prepared_.capped.cap_area / std::max(report_.before.area, 1e-300);
-    if (share <= kLargeCaps) return;
-    report_.warnings.push_back(fmt::format("closing the {} open loops added {:.0f} % to the area; if the model is meant to be open there, clean it with "
-                                           "--keep-openings, or give it a thickness with --thicken T",
-                                           report_.actions.open_loops_capped, 100 * share));
+    return prepare_solid(input_, inspection_, job_.options, prepared_, report_);
   }
 
   // --- the local gear

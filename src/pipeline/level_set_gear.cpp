@@ -23,7 +23,6 @@ constexpr double kDebrisShare = 1e-3;     // of the largest piece's volume: smal
 constexpr std::size_t kVotesPerComponent = 64;
 constexpr double kVoteReach = 3;          // cells
 constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
-constexpr double kUnsmoothedBand = 3;     // cells of exact distances around the surface
 constexpr double kDomainMargin = 11;      // cells between the band and the walls
 constexpr double kCrumb = 0.25;           // cells: a part of either sign that stays nearer to the rim than this is none
 
@@ -124,8 +123,11 @@ void close_sheet(PreparedInput& prepared, const CleanOptions& asked, RepairRepor
 }
 
 BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& report, Progress& progress) {
+  return build_level_set(prepared, level_set_options(report.options), report, progress);
+}
+
+BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptions& set, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
-  const LevelSetOptions set = level_set_options(options);
   BuiltLevelSet result;
   result.roles.assign(prepared.capped.soup.facets.size(), FacetRole::boundary);
   const double half = options.thicken ? 0.5 * *options.thicken / options.cell : 0;
@@ -134,13 +136,20 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& repor
     const GridFrame frame = make_frame(bounding_box(prepared.oriented), options.cell, reach + kDomainMargin);
     result.level_set = level_set_of_shell(prepared.oriented, frame, half, set, progress);
   } else {
-    const std::vector<std::uint32_t> facets = facets_with_area(prepared.capped.soup);
+    result.facets = facets_with_area(prepared.capped.soup);
+    const std::vector<std::uint32_t>& facets = result.facets;
     TriangleSoup solid{prepared.capped.soup.points, {}, {}};
     for (const std::uint32_t f : facets) solid.facets.push_back(prepared.capped.soup.facets[f]);
     const GridFrame frame = make_frame(bounding_box(solid), options.cell, reach + kDomainMargin);
     LevelSetFromTriangles built = level_set_from_triangles(solid, frame, set, progress);
     for (std::size_t i = 0; i < facets.size(); ++i) result.roles[facets[i]] = built.roles[i];
     tell_unresolved(built, report);
+    result.regions = built.regions;
+    result.nearest = std::move(built.nearest);
+    parallel_for(result.nearest.values.size(), [&](std::size_t n) {
+      std::uint32_t& facet = result.nearest.values[n];
+      if (facet != kNoFacet) facet = facets[facet];
+    });
     result.level_set = std::move(built.level_set);
   }
   tell_grid(result.level_set.octree(), report);

@@ -15,6 +15,10 @@ namespace burnish {
 struct BuiltLevelSet {
   LevelSet level_set;
   std::vector<FacetRole> roles;  // of the prepared soup's facets, caps included
+  // Those of them that have an area, which are what the octree's lists number. Not of a shell.
+  std::vector<std::uint32_t> facets;
+  Field<std::uint32_t> nearest;  // the prepared soup's facet nearest to each node, if it was asked for
+  std::size_t regions = 0;       // connected parts of the lattice that facets separate
 };
 
 // Closes the prepared input anew if openings are to stay and the rest is a sheet that has a top side: as a block.
@@ -22,6 +26,8 @@ void close_sheet(PreparedInput& prepared, const CleanOptions& asked, RepairRepor
 
 // Builds the level set for the resolved options and tells report.grid, report.actions and report.warnings.
 BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& report, Progress& progress);
+// The same with another band, room or far field than smoothing and extraction need.
+BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptions& set, RepairReport& report, Progress& progress);
 
 // Smooths as report.options say; tells report.smoothing and report.warnings.
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);

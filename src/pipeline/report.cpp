@@ -5,6 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
+#include "burnish/pipeline/field.h"
+
 namespace burnish {
 namespace {
 
@@ -175,6 +177,20 @@ Json json_of(const std::vector<StageCost>& stages) {
   return list;
 }
 
+// Errors in model units, as all lengths outside are.
+Json json_of(const ErrorSummary& e, std::size_t nodes, double cell) {
+  return {{"nodes", nodes}, {"max", e.max * cell}, {"rms", e.rms * cell}, {"worst_share_of_allowed", e.worst_share}, {"exceeded", e.exceeded}};
+}
+
+Json json_of(const DistanceCheck& check, double cell) {
+  Json nodes = Json::object();
+  for (std::size_t s = 0; s < kNodeStrata; ++s) nodes[std::string(name(static_cast<NodeStratum>(s)))] = check.nodes[s];
+  return {{"passed", check.passed()},
+          {"nodes", std::move(nodes)},
+          {"kernel", json_of(check.kernel, check.total(), cell)},
+          {"stored", json_of(check.stored, check.stored_nodes, cell)}};
+}
+
 Json json_of(const LocatedDefect& d, std::size_t index) {
   return {
       {"defect", index},       {"kind", name(d.kind)}, {"position", json_of(d.position)},
@@ -248,6 +264,36 @@ std::string to_json(const CheckResult& r) {
       {"defects", json_of(r.defects)},
       {"locations_total", totals_of(r.locations)},
       {"locations", largest_of(r.locations)},
+  });
+}
+
+std::string to_json(const FieldResult& r) {
+  const FieldGrid& g = r.grid;
+  const FieldFile& o = r.output;
+  Json output;
+  if (!o.file.empty())
+    output = {{"file", o.file},       {"format", o.format},        {"cells", name(o.cells)},          {"written", o.written},
+              {"cell_count", o.cell_count}, {"point_count", o.point_count}, {"octant_count", o.octant_count}, {"bytes", o.bytes}};
+  const auto or_null = [&](Json part) { return r.failure ? Json() : part; };
+  return text_of({
+      {"version", kReportVersion},
+      {"generator", generator()},
+      {"input", {{"file", r.input}, {"format", r.input_format}}},
+      {"output", std::move(output)},
+      {"failure", r.failure ? json_of(*r.failure) : Json()},
+      {"warnings", Json(r.warnings)},
+      {"options",
+       {{"cell", r.options.cell}, {"cell_was_chosen", r.options.cell_was_chosen}, {"cells_along_longest_side", r.options.cells_along_longest_side},
+        {"band", r.band}, {"gap", json_of(r.options.gap)}, {"max_hole", json_of(r.options.max_hole)}, {"memory_bytes", r.options.memory_bytes}}},
+      {"before", json_of(r.before)},
+      {"facets", or_null({{"used", r.facets}, {"interior", r.interior_facets}, {"unresolved", r.unresolved_facets}})},
+      {"regions", or_null({{"count", r.regions}, {"ambiguous", r.ambiguous_regions}})},
+      {"grid",
+       or_null({{"blocks", g.blocks}, {"finest_blocks", g.finest_blocks}, {"near_blocks", g.near_blocks}, {"nodes", g.nodes}, {"levels", g.levels},
+                {"bytes", g.bytes}, {"bytes_planned", g.bytes_planned}})},
+      {"volume", or_null({{"input", r.volume.input}, {"prepared", r.volume.prepared}, {"level_set", r.volume.level_set}})},
+      {"verification", r.verification ? json_of(*r.verification, r.options.cell) : Json()},
+      {"stages", json_of(r.stages)},
   });
 }
 

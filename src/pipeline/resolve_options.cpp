@@ -31,9 +31,9 @@ constexpr double kBytesPerFacet = 250;         // input, index, inspection
 constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
 constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
 
-double band_of(const Length& smooth, double diagonal, double cell) {
+double band_of(const Length& smooth, double diagonal, double cell, double unsmoothed) {
   const double length = smooth.in_model_units(diagonal, cell);
-  return length > 0 ? kFlowBand + room_for_smoothing(length / cell) : 3;
+  return length > 0 ? kFlowBand + room_for_smoothing(length / cell) : unsmoothed;
 }
 
 std::uint64_t bytes_for(std::size_t facets, double surface_area, double cell, double band) {
@@ -130,11 +130,12 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   return resolved;
 }
 
-void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedOptions& resolved, std::vector<std::string>& warnings) {
+void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedOptions& resolved, std::vector<std::string>& warnings,
+                  double unsmoothed_band) {
   const TriangleSoup& prepared = capped.soup;
   const Box3 box = bounding_box(prepared);
   const double diagonal = box.diagonal(), half_shell = 0.5 * resolved.thicken.value_or(0);
-  const auto band = [&](double cell) { return band_of(asked.smooth, diagonal, cell) + half_shell / cell; };
+  const auto band = [&](double cell) { return band_of(asked.smooth, diagonal, cell, unsmoothed_band) + half_shell / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
     double wanted = default_cell(capped, diagonal, asked.smooth, resolved.thicken);

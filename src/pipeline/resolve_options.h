@@ -11,6 +11,9 @@
 
 namespace burnish {
 
+// Cells of exact distances around the surface when nothing is smoothed: what extraction takes.
+inline constexpr double kUnsmoothedBand = 3;
+
 // Resolves everything but the cell and what is measured in cells; `diagonal` is the input's.
 ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal);
 
@@ -18,8 +21,10 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal);
 // (2 V / A), and 0.3 of the area per length of creases; but no more than 1/300 and no less than 1/1000 of the diagonal, nor so fine that the
 // surface has more than a million cells, and as coarse as the memory budget asks. With
 // smoothing it need not be finer than a twelfth of that length (up to 1/150 of the diagonal). What had to give way is added to `warnings`.
+// `band`: the cells of exact distances that will be asked for where nothing is smoothed.
 // Throws Error{memory_limit} if an explicit cell does not fit the budget, Error{usage} if a length makes no sense.
-void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedOptions& resolved, std::vector<std::string>& warnings);
+void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedOptions& resolved, std::vector<std::string>& warnings,
+                  double band = kUnsmoothedBand);
 
 // The memory that a run with this cell is expected to need, in bytes: proportional to the surface's area in cells and
 // to the band's width (calibrated in docs/benchmarks.md, rounded up), plus what the input itself takes.

@@ -246,6 +246,24 @@ TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squar
   return best;
 }
 
+void TriangleIndex::facets_near(const Vec3& p, double within_squared, std::vector<std::uint32_t>& facets) const {
+  if (nodes_.empty()) return;
+  std::array<std::uint32_t, 128> stack;
+  std::size_t top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::uint32_t i = stack[--top];
+    const Node& node = nodes_[i];
+    if (squared_distance_to_box(p, node.lower, node.upper) > within_squared) continue;
+    if (node.count == 0) {
+      stack[top++] = node.first;
+      stack[top++] = i + 1;
+      continue;
+    }
+    for (std::uint32_t s = node.first; s < node.first + node.count; ++s) facets.push_back(facet_ids_[s]);
+  }
+}
+
 TriangleIndex::Hit TriangleIndex::first_hit(const Vec3& origin, const Vec3& direction) const {
   Hit best;
   if (nodes_.empty()) return best;

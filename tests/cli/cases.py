@@ -18,6 +18,7 @@ HELP = [
     Case("help", 0, r"^Usage: burnish IN", NOTHING),
     Case("help clean", 0, r"^Usage: burnish IN", NOTHING),
     Case("help check", 0, r"^Usage: burnish check FILE", NOTHING),
+    Case("help field", 0, r"^Usage: burnish field IN", NOTHING),
     Case("help example", 0, r"^Usage: burnish example", NOTHING),
     Case("check --help", 0, r"^Usage: burnish check FILE", NOTHING),
     Case("example -h", 0, r"^Usage: burnish example", NOTHING),
@@ -238,4 +239,38 @@ CLEAN = [
          env={"LC_ALL": "de_DE.UTF-8"}, makes=["x.stl"]),
 ]
 
-GROUPS = {"help": HELP, "usage": USAGE, "check": CHECK, "example": EXAMPLE, "clean": CLEAN}
+FIELD = [
+    Case(f"field cube.stl {QUICK}", 0, r"\Acube\.stl \(binary STL\)\n\ncell +0\.0416667, 24 along(.|\n)*^blocks +\d+ of 8 x 8 x 8 cells(.|\n)*"
+         r"^volume +(1|0\.99\d*|1\.00\d*) of 1 (.|\n)*^nothing was written"),
+    Case("field cube.stl", 0, r"^cell .*\(chosen\)"),
+    Case(f"field cube.stl -o f.vtu {QUICK}", 0, r"^f\.vtu: \d+ cells, \d+ points, ", makes=["f.vtu"]),
+    Case(f"field cube.stl -o f.htg --blocks {QUICK}", 0, r"^f\.htg: \d+ cells, \d+ octants, ", makes=["f.htg"]),
+    Case(f"field cube.stl -o f.HTG --octree cells -q {QUICK}", 0, NOTHING, NOTHING, makes=["f.HTG"]),
+    Case(f"field cube.stl --band 6 --verify-exact 400 {QUICK}", 0, r"^band +6 cells(.|\n)*^nodes compared +3\d\d\n +100 near_surface, 100 mid_band, "
+         r"100 band_edge, \d+ near_features\nerror of kernel +max .*\nerror of phi +max .* of what is allowed$"),
+    Case(f"field - -q {QUICK}", 0, NOTHING, NOTHING, stdin=CUBE),
+    Case(f"field cube.stl --json -q {QUICK}", 0, r'"verification": null', NOTHING),
+    Case(f"field cube.stl --overwrite {QUICK}", 0, r"nothing was written", r"warning: --overwrite: has no effect"),
+    Case(f"field cut.stl --salvage {QUICK}", 0, r"^facets +12", r"^burnish: warning: cut\.stl: "),
+    Case(f"field cut.stl {QUICK}", 3, NOTHING, r"burnish: cut\.stl: .*\n  hint: .*--salvage"),
+    Case("field triangle.stl -o f.vtu", 5, NOTHING, r"^burnish: no solid: an open sheet"),
+    Case(f"field triangle.stl --max-hole 0.01 -q {QUICK}", 0, NOTHING, NOTHING),
+    Case(f"field cube.stl -o nowhere/f.vtu {QUICK}", 4, NOTHING, r"burnish: nowhere/f\.vtu: "),
+    Case("field cube.stl -o f.vtu --cell 0.0001", 6, NOTHING, r"burnish: .*\n  hint: "),
+    Case("field cube.stl -o f.vtu --octree cells --resolution 64 --memory 90M", 6, NOTHING, r"cells takes about .*\n  hint: .*--blocks"),
+    Case("field missing.stl", 3, NOTHING, r"burnish: missing\.stl: "),
+    usage("field", r"IN is missing"),
+    usage("field cube.stl -o f.vtk", r"f\.vtk: the suffix does not say.*\n  hint: use \.vtu .*\.htg"),
+    usage("field cube.stl -o -", r"-: the suffix does not say"),
+    usage("field f.vtu -o ./f.vtu --overwrite", r"\./f\.vtu: -o names the input"),
+    usage("field cube.stl --blocks", r"--blocks and --octree say what is written"),
+    usage("field cube.stl -o f.vtu --octree near --blocks", r"--blocks and --octree say different things"),
+    usage("field cube.stl -o f.vtu --octree celsl", r"--octree celsl: .*\n  hint: did you mean 'cells'\?"),
+    usage("field cube.stl --cell 1 --resolution 10", r"--cell and --resolution exclude"),
+    usage("field cube.stl --band 1", r"--band 1: expected a number of cells from 2 to 64"),
+    usage("field cube.stl --band x", r"--band x: "),
+    usage("field cube.stl --verify-exact 0", r"--verify-exact 0: .*from 1"),
+    usage("field cube.stl --smooth 1", r"unknown option '--smooth'"),
+]
+
+GROUPS = {"help": HELP, "usage": USAGE, "check": CHECK, "example": EXAMPLE, "clean": CLEAN, "field": FIELD}

@@ -432,12 +432,27 @@ def every_field_of_the_schemas_is_described(_):
             expect("description" in field or "$ref" in field, f"{path}/{name} is not described")
             walk(field, f"{path}/{name}")
         closed = schema.get("additionalProperties") is False
-        expect(schema.get("type") != "object" or closed, f"{path} is open")
-    for name in ("check.schema.json", "report.schema.json"):
+        is_object = "object" in (schema.get("type") or ())
+        expect(not is_object or closed, f"{path} is open")
+    for name in ("check.schema.json", "field.schema.json", "report.schema.json"):
         schema = validator(name).schema
         walk(schema, name)
         for key, part in schema["$defs"].items():
             walk(part, f"{name}/{key}")
+
+
+@scenario("schemas")
+def fields(box):
+    for options in ([], ["-o", "f.htg", "--blocks"], ["-o", "f.vtu", "--verify-exact", "100", "--band", "5"]):
+        result = json.loads(box.succeed(["field", "crossing.stl", "--json", "-q", *QUICK, *options]).out)
+        expect_valid("field.schema.json", result)
+        expect((result["output"] is None) == (not options), f"output: {result['output']}")
+        expect(result["volume"]["level_set"] < result["volume"]["input"] == 2, f"{result['volume']}")
+        if "--verify-exact" in options:
+            expect(result["verification"]["passed"] and result["verification"]["kernel"]["nodes"] == 100, f"{result['verification']}")
+    failed = box.run(["field", "triangle.stl", "--json", "-q"])
+    expect(failed.code == 5, f"exit code {failed.code}")
+    expect_valid("field.schema.json", json.loads(failed.out))
 
 
 @scenario("schemas")

@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
+#include <optional>
 #include <random>
 
 #include "burnish/levelset/distance.h"
 #include "burnish/octree/grow.h"
+#include "burnish/surface/exact_distance.h"
 #include "burnish/surface/triangle_index.h"
 #include "support/shapes.h"
 
@@ -25,15 +28,19 @@ using Inexact = CGAL::Simple_cartesian<double>;
 
 Exact::Point_3 exact(const Vec3& p) { return {p.x, p.y, p.z}; }
 
-double exact_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+CGAL::Exact_rational exact_squared(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   // A triangle without area is no triangle to CGAL.
   const Exact::Triangle_3 triangle(exact(a), exact(b), exact(c));
-  if (!triangle.is_degenerate()) return std::sqrt(CGAL::to_double(CGAL::squared_distance(exact(p), triangle)));
-  const auto segment = [&](const Vec3& u, const Vec3& v) {
-    return u == v ? CGAL::squared_distance(exact(p), exact(u))
-                  : CGAL::squared_distance(exact(p), Exact::Segment_3(exact(u), exact(v)));
+  if (!triangle.is_degenerate()) return CGAL::squared_distance(exact(p), triangle);
+  const auto segment = [&](const Vec3& u, const Vec3& v) -> CGAL::Exact_rational {
+    if (u == v) return CGAL::squared_distance(exact(p), exact(u));
+    return CGAL::squared_distance(exact(p), Exact::Segment_3(exact(u), exact(v)));
   };
-  return std::sqrt(CGAL::to_double(std::min({segment(a, b), segment(b, c), segment(c, a)})));
+  return std::min({segment(a, b), segment(b, c), segment(c, a)});
+}
+
+double exact_distance(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
+  return std::sqrt(CGAL::to_double(exact_squared(p, a, b, c)));
 }
 
 double exact_distance(const Vec3& p, const TriangleSoup& soup, std::size_t f) {
@@ -127,6 +134,7 @@ void check_block_distances(const TriangleSoup& soup, double band, int queries, s
   std::vector<std::uint32_t> near;
   for (std::uint32_t leaf = 0; leaf < grid.octree.size(); ++leaf)
     if (grid.near_surface(leaf)) near.push_back(leaf);
+  const ExactDistance exact_distances(soup);
   std::array<double, kBlockNodes> squared;
   std::array<std::uint32_t, kBlockNodes> nearest;
   double worst = 0;
@@ -138,7 +146,7 @@ void check_block_distances(const TriangleSoup& soup, double band, int queries, s
       const int n = static_cast<int>(random() % kBlockNodes);
       const LatticeNode node = lattice_node(grid.octree, leaf, n % 8, n / 8 % 8, n / 64);
       const Vec3 p{double(node.x), double(node.y), double(node.z)};
-      const double expected = exact_distance(p, soup);
+      const double expected = std::sqrt(exact_distances.squared_distance(p));
       const std::uint32_t facet = nearest[static_cast<std::size_t>(n)];
       const double found = std::sqrt(squared[static_cast<std::size_t>(n)]);
       if (expected >= band) {
@@ -158,6 +166,66 @@ void check_block_distances(const TriangleSoup& soup, double band, int queries, s
   EXPECT_GE(within, queries) << "only " << within << " nodes within the band";
   EXPECT_LE(worst, 1) << "in units of 1e-9 d + 1e-12 diagonal";
   testing::Test::RecordProperty("worst", std::to_string(worst));
+}
+
+// The class against every facet in rationals, no bound and no index in between.
+void check_against_all_facets(const TriangleSoup& soup, const std::vector<Vec3>& points) {
+  const ExactDistance distances(soup);
+  for (const Vec3& p : points) {
+    std::optional<CGAL::Exact_rational> least;
+    std::uint32_t first = kNoFacet;
+    for (std::uint32_t f = 0; f < soup.facets.size(); ++f) {
+      const CGAL::Exact_rational squared = exact_squared(p, soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2));
+      if (least && squared >= *least) continue;
+      least = squared;
+      first = f;
+    }
+    const ExactDistance::Closest found = distances.closest(p);
+    ASSERT_EQ(found.facet, first) << "the lowest number among the closest";
+    // No double is closer to the rational one.
+    const auto error = [&](double d) { return CGAL::abs(CGAL::Exact_rational(d) - *least); };
+    ASSERT_LE(error(found.squared_distance), error(std::nextafter(found.squared_distance, 1e300)));
+    ASSERT_LE(error(found.squared_distance), error(std::nextafter(found.squared_distance, -1.0)));
+    ASSERT_NEAR(norm(found.point - p), std::sqrt(found.squared_distance), allowed(norm(found.point - p), soup) + 1e-15 * norm(p));
+  }
+}
+
+TEST(DistanceExact, CertifiedAgainstAllFacets) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 20; ++i) points.push_back(random_point(random, 20, 108));
+    check_against_all_facets(random_triangles(random, 60), points);
+    for (const double slender : {1e-3, 1e-8, 1e-12, 0.0}) check_against_all_facets(needles(random, 40, slender), points);
+    TriangleSoup flat = needles(random, 20, 0);
+    for (std::uint32_t f = 0; f < 20; f += 2) flat.points[3 * f + 1] = flat.points[3 * f];
+    for (std::uint32_t f = 0; f < 20; f += 5) flat.points[3 * f + 2] = flat.points[3 * f + 1] = flat.points[3 * f];
+    check_against_all_facets(flat, points);
+  }
+}
+
+TEST(DistanceExact, CertifiedAmongTiesAndOnTheSurface) {
+  std::mt19937 random(4);
+  std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0, 0, 0}, {-1, -1, -1}, {0.5, 0.5, 1}, {0.25, 0.25, 0.5}, {0.3, 0.6, 0}};
+  check_against_all_facets(cube(), points);
+  // All facets at nearly the same distance; then far from the origin; then where squares of squares underflow.
+  const TriangleSoup ball = icosphere(1);
+  points.assign(ball.points.begin(), ball.points.begin() + 12);
+  points.push_back({});
+  for (int i = 0; i < 12; ++i) points.push_back(random_direction(random) * 1e-9);
+  check_against_all_facets(ball, points);
+  for (Vec3& p : points) p += Vec3{1e6, -1e6, 3e6};
+  check_against_all_facets(moved(ball, {1e6, -1e6, 3e6}), points);
+  for (Vec3& p : points) p *= 1e-70;
+  check_against_all_facets(scaled(moved(ball, {1e6, -1e6, 3e6}), 1e-70), points);
+}
+
+TEST(DistanceExact, CertifiedForNoFacets) {
+  const TriangleSoup none;
+  const ExactDistance distances(none);
+  EXPECT_EQ(distances.closest({1, 2, 3}).facet, kNoFacet);
+  EXPECT_EQ(distances.squared_distance({1, 2, 3}), std::numeric_limits<double>::infinity());
 }
 
 TEST(DistanceExact, IcospheresOfAllScales) {

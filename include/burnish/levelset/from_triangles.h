@@ -27,12 +27,14 @@ struct LevelSetFromTriangles {
   std::size_t unresolved_facets = 0;   // outside on both sides: sheets, or walls thinner than a cell
   double unresolved_area = 0;          // of the latter, in cells squared
   std::vector<FacetRole> roles;        // of every facet
+  Field<std::uint32_t> nearest;        // a facet nearest to each node, if it was asked for; kNoFacet where none was looked for
 };
 
 struct LevelSetOptions {
   double band = 3;        // cells of exact distance on both sides of the surface
   double room = 0;        // cells beyond the band that are finest too, for a surface that will move
   bool far_field = true;  // spread distances to the whole domain; without it |phi| ends at `band`
+  bool keep_nearest = false;  // return the nearest facets, 4 bytes a node
 };
 
 // The signed distance to the surface of the solid that the soup bounds: exact where it is at most `band` cells,

@@ -36,6 +36,10 @@ class TriangleIndex {
   // Without any, `facet` is 0xffffffff. 1 to 2 us near the surface of a million facets.
   Closest closest(const Vec3& p, double within_squared = std::numeric_limits<double>::infinity()) const;
 
+  // Appends every facet within sqrt(`within_squared`) of p to `facets`, and others from the same leaves of the tree,
+  // in the tree's order.
+  void facets_near(const Vec3& p, double within_squared, std::vector<std::uint32_t>& facets) const;
+
   struct Hit {
     double distance = std::numeric_limits<double>::infinity();
     std::uint32_t facet = 0xffffffffu;

@@ -1,0 +1,99 @@
+// The level set itself as a result: built as `clean` builds it, reported, checked against exact distances, written.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/core/progress.h"
+#include "burnish/levelset/verify.h"
+#include "burnish/pipeline/options.h"
+#include "burnish/pipeline/report.h"
+
+namespace burnish {
+
+// What a cell of the written file is.
+enum class FieldCells {
+  near,    // a cell of the octree in blocks near the surface; beyond them a block
+  blocks,  // a block: the octree itself
+  cells,   // a cell of the octree everywhere
+};
+
+std::string_view name(FieldCells cells);  // "near", "blocks", "cells"
+
+struct FieldJob {
+  std::string input;          // a path, or "-" for standard input
+  std::string output;         // a .vtu or .htg; empty: nothing is written
+  CleanOptions options;       // those of preparation and resolution; method, smoothing and thickness are not looked at
+  double band = 3;            // cells of exact distances on both sides of the surface
+  FieldCells cells = FieldCells::near;
+  std::size_t verify = 0;     // nodes to compare with exact distances
+  bool salvage = false;       // take what a broken input file holds
+  bool overwrite = false;     // an existing output may be replaced
+};
+
+// The octree and what it carries.
+struct FieldGrid {
+  std::uint64_t blocks = 0;         // leaves, 8 x 8 x 8 cells each
+  std::uint64_t finest_blocks = 0;
+  std::uint64_t near_blocks = 0;    // within the band of a facet
+  std::uint64_t nodes = 0;          // that the blocks store
+  int levels = 0;
+  std::uint64_t bytes = 0;          // octree, lists of facets, and phi
+  std::uint64_t bytes_planned = 0;  // of the whole run: the estimate that was held against the memory budget
+};
+
+// In model units cubed.
+struct FieldVolume {
+  double input = 0;      // as the input is oriented, by the divergence theorem
+  double prepared = 0;   // of the closed chain that the level set was built from
+  double level_set = 0;  // of {phi >= 0}
+};
+
+struct FieldFile {
+  std::string file;      // empty: none was asked for
+  std::string format;
+  FieldCells cells = FieldCells::near;
+  bool written = false;
+  std::uint64_t cell_count = 0;
+  std::uint64_t point_count = 0;   // of a .vtu
+  std::uint64_t octant_count = 0;  // of a .htg: cells, and what holds them
+  std::uint64_t bytes = 0;
+};
+
+struct FieldResult {
+  std::string input;
+  std::string input_format;
+  std::vector<std::string> warnings;
+  ResolvedOptions options;
+  double band = 0;                    // cells
+  Defects before;                     // of the input
+  std::size_t regions = 0;            // connected parts of the lattice that facets separate
+  std::size_t ambiguous_regions = 0;  // whose side had to be decided node by node
+  std::size_t facets = 0;             // with an area, caps included: what the level set was built from
+  std::size_t interior_facets = 0;    // of them, inside the solid: no part of its surface
+  std::size_t unresolved_facets = 0;  // of them, outside on both sides: sheets, or walls thinner than a cell
+  FieldGrid grid;
+  FieldVolume volume;
+  std::optional<DistanceCheck> verification;
+  FieldFile output;
+  std::optional<Error> failure;       // the input bounds no solid: there is no field
+  std::vector<StageCost> stages;
+};
+
+// Reads, inspects and prepares the input and builds its level set, as `clean` does with the level set gear, but with distances in the
+// whole domain (levelset/far_field.h); compares nodes with exact distances and writes the file, if asked to.
+//
+// The file (io/field_files.h; docs/formats.md) has a cell for each cell of the octree in blocks with facets within the band, and one
+// for each block beyond them, unless `cells` says otherwise. It is written also when a comparison fails.
+//
+// An input that bounds no solid comes back as `failure`. Throws Error for everything else: usage for an output of another suffix, before
+// anything is read; unreadable input, unwritable output; memory_limit, also when the cells are too many to be written within
+// the budget; interrupted.
+FieldResult field(const FieldJob& job, Progress& progress = no_progress());
+
+// The result as JSON text, as docs/field.schema.json says: what `burnish field --json` prints.
+std::string to_json(const FieldResult& result);
+
+}  // namespace burnish

@@ -1,0 +1,24 @@
+// How every run begins: the input is read, then prepared, or found to bound no solid.
+#pragma once
+
+#include <string>
+
+#include "burnish/pipeline/options.h"
+#include "burnish/pipeline/report.h"
+#include "burnish/surface/inspect.h"
+#include "burnish/surface/triangle_soup.h"
+#include "prepare_input.h"
+
+namespace burnish {
+
+// Reads and welds the file at `path` (or standard input, "-"), moves it to the origin if asked for, and resolves the lengths.
+// Tells report.input_format, .warnings, .groups, .recentred_by and .options. Throws Error as `read_mesh` does, and
+// Error{unreadable_input} for a model whose volume is beyond double precision.
+TriangleSoup read_input(const std::string& path, bool salvage, const CleanOptions& options, RepairReport& report);
+
+// `prepare_input`, and the verdict on it: false if the input bounds no solid and that was needed, with the reason in
+// report.failure; large caps are warned of. `report.before` holds the inspection's defects.
+bool prepare_solid(const TriangleSoup& input, const Inspection& inspection, const CleanOptions& options, PreparedInput& prepared,
+                   RepairReport& report);
+
+}  // namespace burnish

@@ -1,0 +1,118 @@
+#include "burnish/pipeline/field.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "support/folder.h"
+#include "support/shapes.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+FieldJob job_for(const Folder& folder, const TriangleSoup& soup, int resolution) {
+  FieldJob job;
+  job.input = folder.write("in.stl", soup);
+  job.options.resolution = resolution;
+  return job;
+}
+
+TEST(Field, ReportsTheOctreeAndTheVolume) {
+  const Folder folder;
+  const TriangleSoup ball = icosphere(4);
+  FieldJob job = job_for(folder, ball, 64);
+  job.band = 5;
+  job.verify = 400;
+  const FieldResult result = field(job);
+  ASSERT_FALSE(result.failure);
+  EXPECT_FALSE(result.output.written);
+  EXPECT_EQ(folder.file_count(), 1);
+  EXPECT_EQ(result.band, 5);
+  EXPECT_EQ(result.regions, 2u);
+  EXPECT_EQ(result.facets, ball.facets.size());
+  EXPECT_EQ(result.grid.nodes, 512 * result.grid.blocks);
+  EXPECT_GT(result.grid.near_blocks, 0u);
+  EXPECT_LE(result.grid.near_blocks, result.grid.finest_blocks);
+  EXPECT_GT(result.grid.bytes, 4 * result.grid.nodes);
+  EXPECT_NEAR(result.volume.prepared, signed_volume(ball), 1e-6);
+  EXPECT_NEAR(result.volume.level_set, result.volume.prepared, 0.002 * result.volume.prepared);
+  ASSERT_TRUE(result.verification);
+  EXPECT_TRUE(result.verification->passed());
+  EXPECT_EQ(result.verification->total(), 400u);
+}
+
+TEST(Field, WritesWhatIsAskedFor) {
+  const Folder folder;
+  FieldJob job = job_for(folder, cube(), 24);
+  std::uint64_t blocks = 0, near = 0;
+  for (const char* suffix : {".vtu", ".htg"})
+    for (const FieldCells cells : {FieldCells::blocks, FieldCells::near, FieldCells::cells}) {
+      job.output = folder.path(std::string(name(cells)) + suffix);
+      job.cells = cells;
+      const FieldResult result = field(job);
+      EXPECT_TRUE(result.output.written);
+      EXPECT_EQ(result.output.bytes, std::filesystem::file_size(job.output));
+      blocks = result.grid.blocks, near = result.grid.near_blocks;
+      EXPECT_GT(blocks, near);
+      const std::uint64_t cut = cells == FieldCells::blocks ? 0 : cells == FieldCells::near ? near : blocks;
+      EXPECT_EQ(result.output.cell_count, blocks + 511 * cut);
+      EXPECT_EQ(result.output.point_count > 0, suffix == std::string(".vtu"));
+      // Of a full tree in which a node has eight children.
+      EXPECT_EQ(result.output.octant_count, suffix == std::string(".htg") ? result.output.cell_count + (result.output.cell_count - 1) / 7 : 0);
+    }
+}
+
+// A facet without an area closes what it closes, and the octree's lists do not number it.
+TEST(Field, FacetsWithoutAnAreaAreNoPartOfIt) {
+  const Folder folder;
+  TriangleSoup soup = cube();
+  const Facet split = soup.facets[0];
+  const auto middle = static_cast<std::uint32_t>(soup.points.size());
+  soup.points.push_back((soup.corner(0, 0) + soup.corner(0, 1)) * 0.5);
+  soup.facets[0] = {split[0], middle, split[2]};
+  soup.facets.push_back({middle, split[1], split[2]});
+  soup.facets.insert(soup.facets.begin(), Facet{split[0], split[1], middle});
+  FieldJob job = job_for(folder, soup, 24);
+  job.verify = 1000;
+  job.output = folder.path("out.htg");
+  const FieldResult result = field(job);
+  ASSERT_FALSE(result.failure);
+  EXPECT_EQ(result.before.degenerate_facets, 1u);
+  EXPECT_EQ(result.facets, 13u);
+  ASSERT_TRUE(result.verification);
+  EXPECT_TRUE(result.verification->passed());
+}
+
+TEST(Field, AnOpenSheetHasNone) {
+  const Folder folder;
+  FieldJob job = job_for(folder, without_facets(cube(), {0, 1, 2, 3, 4, 5, 6, 7, 8, 9}), 24);
+  job.output = folder.path("out.vtu");
+  const FieldResult result = field(job);
+  ASSERT_TRUE(result.failure);
+  EXPECT_EQ(result.failure->code(), ErrorCode::guarantee_unmet);
+  EXPECT_EQ(folder.file_count(), 1);
+  const auto json = nlohmann::json::parse(to_json(result));
+  EXPECT_TRUE(json["grid"].is_null() && json["verification"].is_null());
+  EXPECT_EQ(json["failure"]["exit_code"], 5);
+}
+
+TEST(Field, TooManyCellsForTheBudgetAreRefused) {
+  const Folder folder;
+  FieldJob job = job_for(folder, cube(), 64);
+  job.output = folder.path("out.vtu");
+  job.cells = FieldCells::cells;
+  job.options.memory_bytes = 90'000'000;
+  try {
+    field(job);
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code(), ErrorCode::memory_limit);
+    EXPECT_NE(error.hint().find("--blocks"), std::string::npos);
+  }
+  EXPECT_EQ(folder.file_count(), 1);
+}
+
+}  // namespace
+}  // namespace burnish
