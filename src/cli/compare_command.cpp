@@ -65,7 +65,7 @@ class CompareCommand : public Command {
         {"--samples", 0, "N", "Options",
          "Take N samples by area, and up to N vertices, of each; 200000 when not given.",
          [this](const GivenValue& v) { job_.samples = integer_within(v, 1, 20'000'000); }},
-        {"--exact", 0, "", "Options", "Take every distance by exact arithmetic: about 50 times slower.",
+        {"--exact", 0, "", "Options", "Take every distance by exact arithmetic: about 15 times slower.",
          switch_on(job_.exact)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
         {"--salvage", 0, "", "Options", "Take what a truncated or malformed file holds.",

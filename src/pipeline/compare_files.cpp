@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
+#include <string_view>
 #include <utility>
 
 #include "burnish/io/mesh_io.h"
@@ -15,6 +18,26 @@
 
 namespace burnish {
 namespace {
+
+// Counts queries, from any thread: draws their progress, and ends the run when that is asked for.
+class QueryCounter {
+ public:
+  QueryCounter(Progress& progress, std::string_view stage, std::size_t total) : progress_(progress), total_(total) {
+    progress_.begin_stage(stage);
+  }
+
+  void count() {
+    const std::size_t done = done_.fetch_add(1, std::memory_order_relaxed);
+    if (done % 256 != 0) return;
+    progress_.check();
+    progress_.update(static_cast<double>(done) / static_cast<double>(total_));
+  }
+
+ private:
+  Progress& progress_;
+  const std::size_t total_;
+  std::atomic<std::size_t> done_{0};
+};
 
 // One of the two surfaces, ready to be asked.
 class Side {
@@ -41,9 +64,9 @@ class Side {
     if (exactly) exact = std::make_unique<ExactDistance>(soup, *index);
   }
 
-  ClosestQuery query(Progress& progress) const {
-    return [this, &progress](const Vec3& p) -> ClosestPoint {
-      progress.check();
+  ClosestQuery query(QueryCounter& counter) const {
+    return [this, &counter](const Vec3& p) -> ClosestPoint {
+      counter.count();
       if (exact) {
         const ExactDistance::Closest c = exact->closest(p);
         return {c.point, c.squared_distance, c.facet};
@@ -72,8 +95,8 @@ class DeviationOutput {
   DeviationOutput(const std::string& path, bool overwrite) : format_(marked_format_for_writing(path)), file_(path, overwrite) {}
 
   void write(const Side& a, const Side& b, Progress& progress) {
-    progress.begin_stage("colouring");
-    PointArray deviation{"deviation", signed_deviation(a.soup.points, b.soup, *b.index, b.query(progress), b.rule)};
+    QueryCounter counter(progress, "colouring", a.soup.points.size());
+    PointArray deviation{"deviation", signed_deviation(a.soup.points, b.soup, *b.index, b.query(counter), b.rule)};
     PointArray distance{"distance", deviation.values};
     for (double& d : distance.values) d = std::abs(d);
     const bool closed = b.rule == SideRule::winding_number;
@@ -106,10 +129,11 @@ CompareResult compare_files(const CompareJob& job, Progress& progress) {
   b.make_ready(job.exact);
   progress.check();
 
-  progress.begin_stage("measuring");
   const CompareOptions options{.area_samples = job.samples, .vertex_samples = job.samples};
-  result.a_to_b = one_sided_comparison(a.soup, b.soup, b.query(progress), options);
-  result.b_to_a = one_sided_comparison(b.soup, a.soup, a.query(progress), options);
+  const auto queries = [&](const Side& side) { return job.samples + std::min(job.samples, side.soup.points.size()); };
+  QueryCounter counter(progress, "measuring", queries(a) + queries(b));
+  result.a_to_b = one_sided_comparison(a.soup, b.soup, b.query(counter), options);
+  result.b_to_a = one_sided_comparison(b.soup, a.soup, a.query(counter), options);
   if (output) {
     output->write(a, b, progress);
     result.sign = b.rule;

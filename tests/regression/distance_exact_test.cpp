@@ -182,7 +182,7 @@ void check_against_all_facets(const TriangleSoup& soup, const std::vector<Vec3>&
     const ExactDistance::Closest found = distances.closest(p);
     ASSERT_EQ(found.facet, first) << "the lowest number among the closest";
     // No double is closer to the rational one.
-    const auto error = [&](double d) { return CGAL::abs(CGAL::Exact_rational(d) - *least); };
+    const auto error = [&](double d) -> CGAL::Exact_rational { return CGAL::abs(CGAL::Exact_rational(d) - *least); };
     ASSERT_LE(error(found.squared_distance), error(std::nextafter(found.squared_distance, 1e300)));
     ASSERT_LE(error(found.squared_distance), error(std::nextafter(found.squared_distance, -1.0)));
     ASSERT_NEAR(norm(found.point - p), std::sqrt(found.squared_distance), allowed(norm(found.point - p), soup) + 1e-15 * norm(p));

@@ -26,7 +26,8 @@ enum class SideRule {
 SideRule side_rule(const TriangleSoup& welded);
 
 // The distance of each point from `to`, positive outside and negative inside. `closest` and `index` both ask `to`, which
-// is welded. Same bits for any number of threads. Cost: that of `closest`, and 2 to 5 us a point for the side.
+// is welded. Same bits for any number of threads. Cost: that of `closest`, and for the side about 10 us a point by winding numbers of a million
+// facets, or 2 us by the closest facet.
 std::vector<double> signed_deviation(const std::vector<Vec3>& points, const TriangleSoup& to, const TriangleIndex& index,
                                      const ClosestQuery& closest, SideRule rule);
 
