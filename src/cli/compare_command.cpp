@@ -58,7 +58,7 @@ class CompareCommand : public Command {
   std::vector<Option> option_table() {
     return {
         {"--max", 0, "L", "Options", "Exit 1 if a sample is farther than L from the other surface.",
-         [this](const GivenValue& v) { job_.max = limit_of(v); }},
+         [this](const GivenValue& v) { job_.max = length_without_cells(v); }},
         {"--output", 'o', "OUT", "Options",
          "Write A with its signed deviation from B: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
@@ -75,15 +75,6 @@ class CompareCommand : public Command {
         {"--quiet", 'q', "", "Options", "Print errors only: the exit code is the answer.", switch_on(quiet_)},
         {"--help", 'h', "", "Options", "Print this help.", [](const GivenValue&) {}},
     };
-  }
-
-  // Zero asks for surfaces without any distance between them.
-  static Length limit_of(const GivenValue& given) {
-    const auto length = parse_length(given.text);
-    if (length && length->unit != LengthUnit::cells) return *length;
-    throw Error(ErrorCode::usage,
-                fmt::format("{} {}: {}", given.name, given.text, length ? "there are no cells here" : "not a length"),
-                "write it as 0.5 (model units) or 0.2% (of the diagonal of A's box)");
   }
 
   // Before anything is read; an output that looks at a model must not take its place.
