@@ -7,102 +7,41 @@
 #include "burnish/core/error.h"
 #include "fd_writer.h"
 #include "suffix.h"
+#include "vtp_stream.h"
 
 namespace burnish {
 namespace {
 
-// VTK's XML: the arrays are announced with their offsets, then follow one after another.
-class VtpWriter {
- public:
-  VtpWriter(FdWriter& out, const MarkedCells& cells) : out_(out), cells_(cells) {}
-
-  void write() {
-    put_head();
-    put_arrays();
-    out_.put("\n  </AppendedData>\n</VTKFile>\n");
-  }
-
- private:
-  void put_head() {
-    out_.put(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n  <PolyData>\n");
-    put_kind_names();
-    out_.put(
-        fmt::format("    <Piece NumberOfPoints=\"{}\" NumberOfVerts=\"{}\" NumberOfLines=\"{}\" "
-                    "NumberOfStrips=\"0\" NumberOfPolys=\"{}\">\n",
-                    cells_.points.size(), cells_.verts.size(), cells_.lines.size(), cells_.polys.size()));
-    out_.put("      <CellData>\n");
-    announce("Int32", "kind", 1, 4 * cells_.marks.size());
-    announce("Int64", cells_.mark_name, 1, 8 * cells_.marks.size());
-    announce("UInt8", "rgb", 3, 3 * cells_.marks.size());
-    out_.put("      </CellData>\n      <Points>\n");
-    announce("Float64", "Points", 3, 24 * cells_.points.size());
-    out_.put("      </Points>\n");
-    announce_cells("Verts", 1, cells_.verts.size());
-    announce_cells("Lines", 2, cells_.lines.size());
-    announce_cells("Polys", 3, cells_.polys.size());
-    out_.put("    </Piece>\n  </PolyData>\n  <AppendedData encoding=\"raw\">\n   _");
-  }
-
-  // VTK writes text arrays as the codes of their characters, each text ended by a zero.
-  void put_kind_names() {
-    out_.put(
-        fmt::format("    <FieldData>\n      <DataArray type=\"String\" Name=\"kind_names\" "
-                    "NumberOfTuples=\"{}\" format=\"ascii\">\n",
-                    cells_.kinds.size()));
-    for (const MarkedKind& kind : cells_.kinds) {
-      out_.put("       ");
-      for (const char c : kind.name) out_.put(fmt::format(" {}", static_cast<unsigned char>(c)));
-      out_.put(" 0\n");
-    }
-    out_.put("      </DataArray>\n    </FieldData>\n");
-  }
-
-  void announce(std::string_view type, std::string_view name, int components, std::size_t bytes) {
-    out_.put(
-        fmt::format("        <DataArray type=\"{}\" Name=\"{}\" NumberOfComponents=\"{}\" "
-                    "format=\"appended\" offset=\"{}\"/>\n",
-                    type, name, components, offset_));
-    offset_ += sizeof(std::uint64_t) + bytes;
-  }
-
-  void announce_cells(std::string_view element, std::size_t corners, std::size_t count) {
-    out_.put(fmt::format("      <{}>\n", element));
-    announce("Int64", "connectivity", 1, 8 * corners * count);
-    announce("Int64", "offsets", 1, 8 * count);
-    out_.put(fmt::format("      </{}>\n", element));
-  }
-
-  void put_arrays() {
-    const std::size_t cells = cells_.marks.size();
-    put_size(4 * cells);
-    for (const CellMark& m : cells_.marks) out_.put_raw(static_cast<std::int32_t>(m.kind));
-    put_size(8 * cells);
-    for (const CellMark& m : cells_.marks) out_.put_raw(static_cast<std::int64_t>(m.mark));
-    put_size(3 * cells);
-    for (const CellMark& m : cells_.marks) out_.put_raw(cells_.kinds[m.kind].color);
-    put_size(24 * cells_.points.size());
-    for (const Vec3& p : cells_.points) out_.put_raw(p);
-    put_cells(1, cells_.verts.size(), [&](std::size_t c, std::size_t) { return cells_.verts[c]; });
-    put_cells(2, cells_.lines.size(), [&](std::size_t c, std::size_t i) { return cells_.lines[c][i]; });
-    put_cells(3, cells_.polys.size(), [&](std::size_t c, std::size_t i) { return cells_.polys[c][i]; });
-  }
-
-  void put_cells(std::size_t corners, std::size_t count, auto&& point) {
-    put_size(8 * corners * count);
-    for (std::size_t c = 0; c < count; ++c)
-      for (std::size_t i = 0; i < corners; ++i) out_.put_raw(static_cast<std::int64_t>(point(c, i)));
-    put_size(8 * count);
-    for (std::size_t c = 1; c <= count; ++c) out_.put_raw(static_cast<std::int64_t>(corners * c));
-  }
-
-  void put_size(std::size_t bytes) { out_.put_raw(static_cast<std::uint64_t>(bytes)); }
-
-  FdWriter& out_;
-  const MarkedCells& cells_;
-  std::size_t offset_ = 0;
-};
+void write_vtp(FdWriter& out, const MarkedCells& cells) {
+  const std::size_t count = cells.marks.size();
+  std::vector<std::string> kind_names;
+  for (const MarkedKind& kind : cells.kinds) kind_names.push_back(kind.name);
+  VtpStream vtp(out);
+  vtp.open();
+  vtp.put_field_texts("kind_names", kind_names);
+  vtp.open_piece(cells.points.size(), cells.verts.size(), cells.lines.size(), cells.polys.size());
+  vtp.open_element("CellData");
+  vtp.announce("Int32", "kind", 1, 4 * count);
+  vtp.announce("Int64", cells.mark_name, 1, 8 * count);
+  vtp.announce("UInt8", "rgb", 3, 3 * count);
+  vtp.close_element("CellData");
+  vtp.announce_points(cells.points.size());
+  vtp.announce_cells("Verts", 1, cells.verts.size());
+  vtp.announce_cells("Lines", 2, cells.lines.size());
+  vtp.announce_cells("Polys", 3, cells.polys.size());
+  vtp.begin_data();
+  vtp.put_size(4 * count);
+  for (const CellMark& m : cells.marks) out.put_raw(static_cast<std::int32_t>(m.kind));
+  vtp.put_size(8 * count);
+  for (const CellMark& m : cells.marks) out.put_raw(static_cast<std::int64_t>(m.mark));
+  vtp.put_size(3 * count);
+  for (const CellMark& m : cells.marks) out.put_raw(cells.kinds[m.kind].color);
+  vtp.put_points(cells.points);
+  vtp.put_cells(1, cells.verts.size(), [&](std::size_t c, std::size_t) { return cells.verts[c]; });
+  vtp.put_cells(2, cells.lines.size(), [&](std::size_t c, std::size_t i) { return cells.lines[c][i]; });
+  vtp.put_cells(3, cells.polys.size(), [&](std::size_t c, std::size_t i) { return cells.polys[c][i]; });
+  vtp.close();
+}
 
 class MarkedPlyWriter {
  public:
@@ -181,7 +120,7 @@ void write_marked_cells(int fd, const std::string& label, const MarkedCells& cel
   assert(cells.marks.size() == cells.verts.size() + cells.lines.size() + cells.polys.size());
   FdWriter out(fd, label);
   if (format == MarkedFormat::vtp)
-    VtpWriter(out, cells).write();
+    write_vtp(out, cells);
   else
     MarkedPlyWriter(out, cells).write();
   out.flush();

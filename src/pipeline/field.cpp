@@ -84,8 +84,8 @@ class FieldRun {
     grid.finest_blocks = report_.grid.finest_blocks;
     grid.levels = report_.grid.levels;
     grid.bytes_planned = report_.grid.bytes_planned;
-    grid.nodes = set.phi.values.size();
-    grid.bytes = set.grid.bytes() + set.phi.values.capacity() * sizeof(float);
+    grid.nodes = set.phi.values().size();
+    grid.bytes = set.grid.bytes() + set.phi.bytes();
     for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) grid.near_blocks += set.grid.near_surface(leaf);
     result_.volume = {report_.before.volume, signed_volume(prepared_.capped.soup), enclosed_volume(set) * cubed(set.frame.cell)};
     result_.facets = built_.facets.size();
@@ -122,7 +122,7 @@ class FieldRun {
   }
 
   void require_memory(std::size_t cells) const {
-    const std::uint64_t needed = result_.grid.bytes + built_.nearest.values.size() * sizeof(std::uint32_t) + bytes_to_write_field(cells, format_);
+    const std::uint64_t needed = result_.grid.bytes + built_.nearest.bytes() + bytes_to_write_field(cells, format_);
     if (needed <= job_.options.memory_bytes) return;
     throw Error(ErrorCode::memory_limit,
                 fmt::format("{}: writing {} cells takes about {:.1f} GB; the budget is {:.1f} GB", job_.output, cells,

@@ -146,8 +146,8 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
     tell_unresolved(built, report);
     result.regions = built.regions;
     result.nearest = std::move(built.nearest);
-    parallel_for(result.nearest.values.size(), [&](std::size_t n) {
-      std::uint32_t& facet = result.nearest.values[n];
+    parallel_for(result.nearest.values().size(), [&](std::size_t n) {
+      std::uint32_t& facet = result.nearest.values()[n];
       if (facet != kNoFacet) facet = facets[facet];
     });
     result.level_set = std::move(built.level_set);

@@ -36,7 +36,7 @@ CellGrid OctreeCells::grid() const {
   cells("level", NumberType::uint8, [](const LatticeCube& c, std::uint32_t) { return static_cast<double>(c.level); });
   cells("inside", NumberType::uint8, [this](const LatticeCube& c, std::uint32_t leaf) { return phi_at(c, leaf) >= 0 ? 1.0 : 0.0; });
   cells("block", NumberType::int64, [](const LatticeCube&, std::uint32_t leaf) { return leaf == Octree::kNone ? -1.0 : static_cast<double>(leaf); });
-  if (!built_.nearest.values.empty())
+  if (!built_.nearest.empty())
     cells("facet", NumberType::int64, [this](const LatticeCube& c, std::uint32_t leaf) { return facet_of(c, leaf); });
   grid.point_arrays.push_back({"phi", NumberType::float32, [this, h](std::span<const LatticePoint> points, double* values) {
                                  for (const LatticePoint& p : points) *values++ = h * node_value(tree_, built_.level_set.phi, node_of(p));

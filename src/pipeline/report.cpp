@@ -2,31 +2,17 @@
 
 #include <algorithm>
 #include <array>
-#include <nlohmann/json.hpp>
 #include <optional>
 
 #include "burnish/pipeline/field.h"
+#include "json.h"
 
 namespace burnish {
 namespace {
 
-using Json = nlohmann::ordered_json;
-
-// Names may hold any bytes; JSON holds UTF-8 only.
-std::string text_of(const Json& json) {
-  return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
-}
-
-Json generator() { return "burnish " BURNISH_VERSION; }
-
-Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
+using burnish::json_of;
 
 Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
-Json json_of(const Box3& box) {
-  if (box.empty()) return nullptr;
-  return {{"lower", json_of(box.lower)}, {"upper", json_of(box.upper)}, {"diagonal", box.diagonal()}};
-}
 
 Json json_of(const Defects& d) {
   return {

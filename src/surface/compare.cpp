@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <utility>
 #include <vector>
 
 #include "burnish/core/parallel.h"
@@ -49,6 +51,36 @@ Vec3 point_on_facet(const TriangleSoup& soup, std::size_t f, std::size_t i) {
   return a + (soup.corner(f, 1) - a) * u + (soup.corner(f, 2) - a) * v;
 }
 
+// The samples of a surface: area samples spread over the facets, and vertices.
+class Samples {
+ public:
+  Samples(const TriangleSoup& soup, const CompareOptions& options)
+      : soup_(soup),
+        cumulative_(cumulative_areas(soup)),
+        by_area_(area() > 0 ? options.area_samples : 0),
+        by_vertex_(std::min(soup.points.size(), options.vertex_samples)) {}
+
+  std::size_t by_area() const { return by_area_; }
+  std::size_t by_vertex() const { return by_vertex_; }
+  // Of the surface.
+  double area() const { return cumulative_.back(); }
+  // That an area sample stands for.
+  double share() const { return area() / static_cast<double>(by_area_); }
+
+  std::size_t facet(std::size_t i) const {
+    const double target = (static_cast<double>(i) + 0.5) / static_cast<double>(by_area_) * area();
+    return static_cast<std::size_t>(std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, target) - cumulative_.begin()) - 1;
+  }
+  Vec3 on_facet(std::size_t i) const { return point_on_facet(soup_, facet(i), i); }
+  std::size_t vertex(std::size_t i) const { return i * soup_.points.size() / std::max<std::size_t>(by_vertex_, 1); }
+  const Vec3& at_vertex(std::size_t i) const { return soup_.points[vertex(i)]; }
+
+ private:
+  const TriangleSoup& soup_;
+  std::vector<double> cumulative_;
+  std::size_t by_area_, by_vertex_;
+};
+
 // The distances of points 0 ... samples - 1, squared.
 template <class Point>
 std::vector<double> squared_distances(std::size_t samples, const TriangleIndex& to, Point&& point) {
@@ -61,6 +93,38 @@ Moments moments_of(const std::vector<double>& squared) {
   Moments m;
   for (const double d2 : squared) m.add(d2);
   return m;
+}
+
+std::vector<double> distances_of(const std::vector<ClosestPoint>& found) {
+  std::vector<double> distances(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) distances[i] = std::sqrt(found[i].squared_distance);
+  return distances;
+}
+
+Distribution distribution_of(std::vector<double> values) {
+  Distribution d;
+  d.samples = values.size();
+  if (values.empty()) return d;
+  double sum = 0, sum_squares = 0;
+  for (const double v : values) {
+    sum += v;
+    sum_squares += v * v;
+  }
+  const double count = static_cast<double>(values.size());
+  d.mean = sum / count;
+  d.rms = std::sqrt(sum_squares / count);
+  parallel_sort(values);
+  d.max = values.back();
+  for (std::size_t i = 0; i < kPercentiles.size(); ++i) {
+    const auto rank = static_cast<std::size_t>(std::ceil(kPercentiles[i] * count / 100));
+    d.percentiles[i] = values[std::clamp<std::size_t>(rank, 1, values.size()) - 1];
+  }
+  return d;
+}
+
+// Accurate for small angles and for those near 180, where an arc cosine loses half the digits.
+double angle_in_degrees(const Vec3& a, const Vec3& b) {
+  return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
 }
 
 // Some facet around each of the points.
@@ -76,32 +140,20 @@ std::vector<std::uint32_t> facets_at_points(const TriangleSoup& soup) {
 OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to, const CompareOptions& options,
                                     std::vector<FarSample>* far) {
   if (from.facets.empty() || to.facet_count() == 0) return {};
-  const std::vector<double> cumulative = cumulative_areas(from);
-  const double total = cumulative.back();
-  const std::size_t n = total > 0 ? options.area_samples : 0;
-  const auto facet_of_sample = [&](std::size_t i) {
-    const double target = (static_cast<double>(i) + 0.5) / static_cast<double>(n) * total;
-    return static_cast<std::size_t>(std::upper_bound(cumulative.begin(), cumulative.end() - 1, target) - cumulative.begin()) - 1;
-  };
-  const auto on_surface = [&](std::size_t i) { return point_on_facet(from, facet_of_sample(i), i); };
-  const std::vector<double> by_area = squared_distances(n, to, on_surface);
-  const std::size_t points = from.points.size();
-  const std::size_t picked = std::min(points, options.vertex_samples);
-  const auto vertex_of_sample = [&](std::size_t i) { return i * points / std::max<std::size_t>(picked, 1); };
-  const std::vector<double> by_vertex =
-      squared_distances(picked, to, [&](std::size_t i) { return from.points[vertex_of_sample(i)]; });
+  const Samples samples(from, options);
+  const std::vector<double> by_area = squared_distances(samples.by_area(), to, [&](std::size_t i) { return samples.on_facet(i); });
+  const std::vector<double> by_vertex = squared_distances(samples.by_vertex(), to, [&](std::size_t i) { return samples.at_vertex(i); });
 
   if (far) {
     const double limit = options.far_beyond * options.far_beyond;
-    for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t i = 0; i < by_area.size(); ++i)
       if (by_area[i] > limit)
-        far->push_back({on_surface(i), std::sqrt(by_area[i]), static_cast<std::uint32_t>(facet_of_sample(i)), total / static_cast<double>(n)});
+        far->push_back({samples.on_facet(i), std::sqrt(by_area[i]), static_cast<std::uint32_t>(samples.facet(i)), samples.share()});
     std::vector<std::uint32_t> facet;
-    for (std::size_t i = 0; i < picked; ++i) {
+    for (std::size_t i = 0; i < by_vertex.size(); ++i) {
       if (!(by_vertex[i] > limit)) continue;
       if (facet.empty()) facet = facets_at_points(from);
-      const std::size_t p = vertex_of_sample(i);
-      far->push_back({from.points[p], std::sqrt(by_vertex[i]), facet[p], 0});
+      far->push_back({samples.at_vertex(i), std::sqrt(by_vertex[i]), facet[samples.vertex(i)], 0});
     }
   }
   const Moments area_moments = moments_of(by_area), vertex_moments = moments_of(by_vertex);
@@ -113,6 +165,44 @@ OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleInde
     result.rms = std::sqrt(mean_of.sum_squares / static_cast<double>(mean_of.count));
   }
   result.samples = area_moments.count + vertex_moments.count;
+  return result;
+}
+
+OneSidedComparison one_sided_comparison(const TriangleSoup& from, const TriangleSoup& to, const ClosestQuery& closest,
+                                        const CompareOptions& options) {
+  OneSidedComparison result;
+  if (from.facets.empty() || to.facets.empty()) return result;
+  const Samples samples(from, options);
+  const auto ask = [&](std::size_t count, auto&& point) {
+    std::vector<ClosestPoint> found(count);
+    parallel_for(count, [&](std::size_t i) { found[i] = closest(point(i)); }, kGrain);
+    return found;
+  };
+  const std::vector<ClosestPoint> by_area = ask(samples.by_area(), [&](std::size_t i) { return samples.on_facet(i); });
+  const std::vector<ClosestPoint> by_vertex = ask(samples.by_vertex(), [&](std::size_t i) { return samples.at_vertex(i); });
+
+  result.distance = distribution_of(distances_of(by_area.empty() ? by_vertex : by_area));
+  result.distance.samples = by_area.size() + by_vertex.size();
+  double farthest = -1;
+  const auto look_for_farthest = [&](const std::vector<ClosestPoint>& found, auto&& point) {
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (!(found[i].squared_distance > farthest)) continue;
+      farthest = found[i].squared_distance;
+      result.farthest = point(i);
+      result.opposite = found[i].point;
+    }
+  };
+  look_for_farthest(by_area, [&](std::size_t i) { return samples.on_facet(i); });
+  look_for_farthest(by_vertex, [&](std::size_t i) { return samples.at_vertex(i); });
+  result.distance.max = std::sqrt(std::max(farthest, 0.0));
+
+  std::vector<double> angles;
+  angles.reserve(by_area.size());
+  for (std::size_t i = 0; i < by_area.size(); ++i) {
+    const Vec3 m = facet_normal_2a(from, samples.facet(i)), n = facet_normal_2a(to, by_area[i].facet);
+    if (m != Vec3{} && n != Vec3{}) angles.push_back(angle_in_degrees(m, n));
+  }
+  result.angle = distribution_of(std::move(angles));
   return result;
 }
 

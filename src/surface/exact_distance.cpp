@@ -83,9 +83,10 @@ ExactDistance::Closest ExactDistance::closest(const Vec3& p) const {
   best.facet = guess;
   Rational least = squared_distance_to_facet(exact_p, soup_, guess);
   double bound = enclosing_doubles(least)[1];
-  // The index rounds the distance to a box by less than 10 * 2^-53 of its square: no facet in the ball is passed over.
+  // The index rounds the squared distance to a box by less than 10 * 2^-53 of it, or, where squares underflow, by less than
+  // the smallest normal double: no facet in the ball is passed over.
   std::vector<std::uint32_t> facets;
-  index_.facets_near(p, bound * (1 + 1e-14), facets);
+  index_.facets_near(p, bound * (1 + 1e-14) + std::numeric_limits<double>::min(), facets);
   for (const std::uint32_t f : facets) {
     if (f == guess || surely_farther(p, soup_, f, bound)) continue;
     Rational squared = squared_distance_to_facet(exact_p, soup_, f);

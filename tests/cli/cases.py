@@ -273,4 +273,49 @@ FIELD = [
     usage("field cube.stl --smooth 1", r"unknown option '--smooth'"),
 ]
 
-GROUPS = {"help": HELP, "usage": USAGE, "check": CHECK, "example": EXAMPLE, "clean": CLEAN, "field": FIELD}
+COMPARE = [
+    Case("compare --help", 0, r"^Usage: burnish compare A B(.|\n)*^Examples:$", NOTHING),
+    Case("help compare", 0, r"^Usage: burnish compare A B", NOTHING),
+    usage("help compar", r"unknown command 'compar'\n  hint: did you mean 'compare'"),
+    usage("compare", r"A is missing\n  hint: .*burnish compare A B"),
+    usage("compare cube.stl", r"B is missing"),
+    usage("compare cube.stl hole.stl twice.stl", r"unexpected argument 'twice\.stl'"),
+    usage("compare - -", r"A and B are both '-'"),
+    usage("compare cube.stl hole.stl --max 2h", r"--max 2h: this length cannot be given in cells\n  hint: .*0\.2%"),
+    usage("compare cube.stl hole.stl --max -1", r"--max -1: "),
+    usage("compare cube.stl hole.stl --max 0", r"--max 0: "),
+    usage("compare cube.stl hole.stl --max 0,5", r"--max 0,5: "),
+    usage("compare cube.stl hole.stl --samples 0", r"--samples 0: expected a whole number"),
+    usage("compare cube.stl hole.stl --output d.stl", r"d\.stl: the suffix does not say.*\n  hint: use \.vtp .*\.ply"),
+    usage("compare missing.stl hole.stl --output d.obj", r"d\.obj: the suffix does not say"),
+    usage("compare x.ply cube.stl --output ./x.ply --overwrite", r"\./x\.ply: --output names an input"),
+    usage("compare cube.stl x.ply --output x.ply --overwrite", r"x\.ply: --output names an input"),
+    Case("compare cube.stl cube.stl", 0, r"\AA: cube\.stl \(binary STL\)\nB: cube\.stl \(binary STL\)\n\n +A +B +B - A\n"
+         r"facets +12 +12 +\+0\n(.|\n)*^volume +1 +1 +\+0\n(.|\n)*^largest distance either way: 0 \(0%\)\n\Z"),
+    Case("compare cube.stl moved.stl", 0, r"^  max +0\.125 \(7\.2%\) +0\.125 \(7\.2%\)\n(.|\n)*^farthest of A from B: 0\.125\n"
+         r"  from \(.*\) on A\n  to   \(.*\) on B\nfarthest of B from A: 0\.125\n"),
+    Case("compare cube.stl moved.stl --exact --samples 50", 0, r"^exact distance, of 58 and 58 samples\n(.|\n)*^  max +0\.125 "),
+    Case("compare cube.stl hole.stl", 0, r"^open edges +0 +3 +\+3\nvolume +1 +- +-\n  no volume of B: the surface is open: 3 open edges\n"),
+    Case("compare flipped.stl cube.stl", 0, r"^  no volume of A: the facets do not agree on what is outside\n"),
+    Case("compare cube.stl moved.stl --max 0.125", 0, r"^yes: the largest distance, 0\.125, is within 0\.125\n\Z"),
+    Case("compare cube.stl moved.stl --max 0.1249", 1, r"^no: the largest distance, 0\.125, is beyond 0\.1249\n\Z"),
+    Case("compare cube.stl moved.stl --max 8% -q", 0, NOTHING, NOTHING),
+    Case("compare cube.stl moved.stl --max 7% -q", 1, NOTHING, NOTHING),
+    Case("compare cube.stl cube.stl --max 1e-12% --exact --samples 100 -q", 0, NOTHING, NOTHING),
+    Case("compare cube.stl moved.stl --max 0.1 --json -q", 1, r'\A\{\n  "version": 1,(.|\n)*"within_limit": false'),
+    Case("compare - moved.stl", 0, r"\AA: - \(binary STL\)(.|\n)*^largest distance either way: 0\.125 ", stdin=CUBE),
+    Case("compare moved.stl - -q --max 0.125", 0, NOTHING, NOTHING, stdin=CUBE),
+    Case("compare cube.stl moved.stl -q -o d.vtp", 0, NOTHING, NOTHING, makes=["d.vtp"]),
+    Case("compare cube.stl moved.stl -q -o d.PLY", 0, NOTHING, NOTHING, makes=["d.PLY"]),
+    Case("compare cube.stl moved.stl -q -o other.ply", 4, NOTHING, r"burnish: other\.ply: .*exists"),
+    Case("compare cube.stl moved.stl -q -o no/d.vtp", 4, NOTHING, r"burnish: no/d\.vtp: "),
+    Case("compare cube.stl moved.stl --overwrite", 0, r"largest distance", r"warning: --overwrite: has no effect"),
+    Case("compare cube.stl empty.stl", 3, NOTHING, r"burnish: empty\.stl: "),
+    Case("compare empty.stl cube.stl -o d.vtp", 3, NOTHING, r"burnish: empty\.stl: "),
+    Case("compare cube.stl cbue.stl", 3, NOTHING, r"burnish: cbue\.stl: no such file\n  hint: did you mean 'cube\.stl'"),
+    Case("compare missing.stl cube.stl --json", 3, r'"code": "unreadable_input"'),
+    Case("compare cube.stl cut.stl", 3, NOTHING, r"burnish: cut\.stl: .*\n  hint: .*--salvage"),
+    Case("compare cube.stl cut.stl --salvage", 0, r"^facets +12 +11 +-1\n", r"^burnish: warning: cut\.stl: "),
+]
+
+GROUPS = {"help": HELP, "usage": USAGE, "check": CHECK, "compare": COMPARE, "example": EXAMPLE, "clean": CLEAN, "field": FIELD}

@@ -68,6 +68,7 @@ def fixtures():
     return {
         "cube.stl": solid,
         "cube.ascii.stl": ascii_stl(cube()),
+        "moved.stl": binary_stl(cube(offset=(0.125, 0, 0))),
         "cut.stl": solid[:-20],                        # the last facet is not all there
         "hole.stl": binary_stl(cube(CUBE_FACETS[1:])),
         "flipped.stl": binary_stl(cube(CUBE_FACETS[1:] + [CUBE_FACETS[0][::-1]])),

@@ -400,6 +400,93 @@ def ignored_signals_stay_ignored(box):
     expect_match(r"^valid solid$", out.decode(), "standard output")
 
 
+# --- deviations -------------------------------------------------------------------------------------
+
+@scenario("deviations")
+def comparisons_hold_to_the_schema(box):
+    for more in ([], ["--exact", "--samples", "20"], ["--max", "1%"], ["-o", "d.vtp", "--overwrite"]):
+        for b in ("moved.stl", "hole.stl", "triangle.stl"):
+            expect_valid("compare.schema.json", json.loads(box.run(["compare", "cube.stl", b, "--json", *more]).out))
+
+
+@scenario("deviations")
+def a_comparison_says_what_it_found(box):
+    result = json.loads(box.succeed(["compare", "cube.stl", "moved.stl", "--json", "-o", "d.ply", "--max", "10%"]).out)
+    expect(result["max"] == 0.125 and abs(result["diagonal"] - 3 ** 0.5) < 1e-15, "sizes")
+    expect(result["difference"]["box_lower"] == [0.125, 0, 0], f"difference: {result['difference']}")
+    expect(abs(result["max_percent"] - 12.5 / 3 ** 0.5) < 1e-12 and result["within_limit"] is True, "percent")
+    expect(abs(result["limit"] - 0.1 * 3 ** 0.5) < 1e-15, f"limit {result['limit']}")
+    for side in ("a_to_b", "b_to_a"):
+        found = result[side]
+        expect(found["distance"]["p99.9"] == 0.125 and found["distance"]["p50"] < 1e-15, f"{side}: {found['distance']}")
+        expect(found["distance"]["samples"] == 200008, "samples")
+        # A third of the surface has moved.
+        expect(abs(found["distance"]["mean"] - 0.125 / 3) < 1e-3, f"mean {found['distance']['mean']}")
+        expect(abs(abs(found["farthest"][0] - found["opposite"][0]) - 0.125) < 1e-15, "where")
+    expect(result["deviation_sign"] == "winding_number", "sign")
+    open_one = json.loads(box.succeed(["compare", "cube.stl", "hole.stl", "--json", "-o", "e.ply"]).out)
+    expect(open_one["deviation_sign"] == "closest_facet", "sign at an open surface")
+    expect(open_one["b"]["volume"] is None and "open" in open_one["b"]["no_volume_reason"], "volume of an open surface")
+    expect(open_one["difference"]["volume"] is None, "difference of volumes")
+
+
+@scenario("deviations")
+def comparisons_are_the_same_bytes_on_any_number_of_threads(box):
+    box.succeed([*DIRTY_KNOT, "a.stl"])
+    box.succeed(["example", "knot", "-q", "-o", "b.stl"])
+    out = {}
+    for threads in ("1", "2"):
+        for exact in ([], ["--exact", "--samples", "2000"]):
+            key = threads, bool(exact)
+            out[key] = box.succeed(["compare", "a.stl", "b.stl", "--json", "--threads", threads, *exact]).out
+        for suffix in ("vtp", "ply"):
+            box.succeed(["compare", "b.stl", "a.stl", "-q", "--threads", threads, "-o", f"{threads}.{suffix}"])
+    expect(out["1", False] == out["2", False], "rounded distances differ")
+    expect(out["1", True] == out["2", True], "exact distances differ")
+    for suffix in ("vtp", "ply"):
+        expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs")
+
+
+@scenario("deviations")
+def lines_of_comparisons_are_at_most_80_columns(box):
+    box.write("far.stl", models.binary_stl([tuple((-1.23456e-30 - x, -7.65432e-30 * y, -1.23456e-33 * x) for x, y in
+                                                  ((0, 0), (1.23457e-30, 0), (0, 1.23457e-29)))]))
+    box.write("farther.stl", models.binary_stl([tuple((y, -1.23456e-30 * x, -7.65432e-30 + x) for x, y in
+                                                      ((-1.23457e-9, 0), (1.23457e-30, -1.23457e-9), (0, 1.23457e-29)))]))
+    for a, b in (("far.stl", "cube.stl"), ("farther.stl", "far.stl"), ("hole.stl", "flipped.stl")):
+        for line in box.succeed(["compare", a, b]).text().splitlines():
+            expect(len(line) <= 80, f"{len(line)} columns: {line}")
+
+
+@scenario("deviations")
+def vtk_reads_deviations_with_their_sign(box):
+    try:
+        import vtk
+    except ImportError:
+        print("skipped: there is no VTK (Debian: python3-vtk9)")
+        return
+    box.write("large.stl", models.binary_stl([tuple(tuple(3 * c - 1 for c in p) for p in t) for t in models.cube()]))
+    for a, sign in (("cube.stl", -1), ("large.stl", 1)):
+        b = {"cube.stl": "large.stl", "large.stl": "cube.stl"}[a]
+        for suffix, make in (("vtp", vtk.vtkXMLPolyDataReader), ("ply", vtk.vtkPLYReader)):
+            box.succeed(["compare", a, b, "-q", "--overwrite", "-o", f"d.{suffix}"])
+            reader = make()
+            reader.SetFileName(str(box.folder / f"d.{suffix}"))
+            reader.Update()
+            surface = reader.GetOutput()
+            expect(surface.GetNumberOfPoints() == 8 and surface.GetNumberOfCells() == 12, f"{suffix}: other sizes")
+            if suffix == "ply":  # the reader knows of no properties but colours
+                colors = surface.GetPointData().GetScalars()
+                most = colors.GetComponent(0, 2 if sign < 0 else 0)
+                expect(most in (180, 192), f"colour of {a}: {[colors.GetComponent(0, i) for i in range(3)]}")
+                continue
+            deviation, distance = (surface.GetPointData().GetArray(name) for name in ("deviation", "distance"))
+            for i in range(8):
+                expected = 1 if a == "cube.stl" else 3 ** 0.5
+                expect(abs(distance.GetValue(i) - expected) < 1e-12, f"distance {distance.GetValue(i)} of {a}")
+                expect(deviation.GetValue(i) == sign * distance.GetValue(i), f"deviation {deviation.GetValue(i)} of {a}")
+
+
 # --- schemas ----------------------------------------------------------------------------------------
 
 def validator(name):
@@ -434,7 +521,7 @@ def every_field_of_the_schemas_is_described(_):
         closed = schema.get("additionalProperties") is False
         is_object = "object" in (schema.get("type") or ())
         expect(not is_object or closed, f"{path} is open")
-    for name in ("check.schema.json", "field.schema.json", "report.schema.json"):
+    for name in ("check.schema.json", "compare.schema.json", "field.schema.json", "report.schema.json"):
         schema = validator(name).schema
         walk(schema, name)
         for key, part in schema["$defs"].items():

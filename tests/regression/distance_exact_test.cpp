@@ -183,10 +183,10 @@ void check_against_all_facets(const TriangleSoup& soup, const std::vector<Vec3>&
     const ExactDistance::Closest found = distances.closest(p);
     ASSERT_EQ(found.facet, first) << "the lowest number among the closest";
     // No double is closer to the rational one.
-    const auto error = [&](double d) { return CGAL::abs(CGAL::Exact_rational(d) - *least); };
+    const auto error = [&](double d) -> CGAL::Exact_rational { return CGAL::abs(CGAL::Exact_rational(d) - *least); };
     ASSERT_LE(error(found.squared_distance), error(std::nextafter(found.squared_distance, 1e300)));
     ASSERT_LE(error(found.squared_distance), error(std::nextafter(found.squared_distance, -1.0)));
-    ASSERT_NEAR(norm(found.point - p), std::sqrt(found.squared_distance), allowed(norm(found.point - p), soup) + 1e-15 * norm(p));
+    ASSERT_NEAR(norm(found.point - p), std::sqrt(found.squared_distance), allowed(norm(found.point - p), soup) + 1e-15 * norm(p) + 1e-150);
   }
 }
 
@@ -209,7 +209,7 @@ TEST(DistanceExact, CertifiedAmongTiesAndOnTheSurface) {
   std::mt19937 random(4);
   std::vector<Vec3> points{{0.5, 0.5, 0.5}, {0, 0, 0}, {-1, -1, -1}, {0.5, 0.5, 1}, {0.25, 0.25, 0.5}, {0.3, 0.6, 0}};
   check_against_all_facets(cube(), points);
-  // All facets at nearly the same distance; then far from the origin; then where squares of squares underflow.
+  // All facets at nearly the same distance; then far from the origin; then where squares of squares underflow, and squares.
   const TriangleSoup ball = icosphere(1);
   points.assign(ball.points.begin(), ball.points.begin() + 12);
   points.push_back({});
@@ -219,6 +219,8 @@ TEST(DistanceExact, CertifiedAmongTiesAndOnTheSurface) {
   check_against_all_facets(moved(ball, {1e6, -1e6, 3e6}), points);
   for (Vec3& p : points) p *= 1e-70;
   check_against_all_facets(scaled(moved(ball, {1e6, -1e6, 3e6}), 1e-70), points);
+  for (Vec3& p : points) p *= 1e-92;
+  check_against_all_facets(scaled(moved(ball, {1e6, -1e6, 3e6}), 1e-162), points);
 }
 
 TEST(DistanceExact, CertifiedForNoFacets) {

@@ -55,7 +55,7 @@ TEST(CheckDistances, LeaveOutFacetsInside) {
 
 TEST(CheckDistances, FindAStoredValueThatIsOff) {
   Built built = build(icosphere(2), 0.04, 3);
-  for (float& phi : built.field.level_set.phi.values) phi *= 1 + 0x1p-21f;
+  for (float& phi : built.field.level_set.phi.values()) phi *= 1 + 0x1p-21f;
   const DistanceCheck check = built.check(400);
   EXPECT_FALSE(check.passed());
   EXPECT_EQ(check.kernel.exceeded, 0u);

@@ -1,8 +1,10 @@
 // Deviation: how far two surfaces are from each other, measured at sample points.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <vector>
 
@@ -49,6 +51,46 @@ struct FarSample {
 // `far`, if given, gets the samples beyond options.far_beyond.
 OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to,
                                     const CompareOptions& options = {}, std::vector<FarSample>* far = nullptr);
+
+// A point of a surface, closest to some other point.
+struct ClosestPoint {
+  Vec3 point;
+  double squared_distance = std::numeric_limits<double>::infinity();
+  std::uint32_t facet = kNoFacet;
+};
+
+// Finds the closest point of a surface; called by several threads at once. What is behind it decides how exact a
+// comparison is: a TriangleIndex, or an ExactDistance.
+using ClosestQuery = std::function<ClosestPoint(const Vec3&)>;
+
+// The percentiles that a Distribution tells.
+inline constexpr std::array<double, 5> kPercentiles{50, 90, 95, 99, 99.9};
+
+// How a quantity is distributed over samples.
+struct Distribution {
+  double max = 0;
+  double mean = 0;
+  double rms = 0;
+  // percentiles[i]: the least value that kPercentiles[i] percent of the samples do not exceed.
+  std::array<double, kPercentiles.size()> percentiles{};
+  std::size_t samples = 0;
+};
+
+struct OneSidedComparison {
+  // From samples to the other surface, in model units. As OneSidedDistance: the maximum is over all samples, everything
+  // else over the area samples.
+  Distribution distance;
+  // Between the normal of a sample's facet and that of the closest facet, in degrees from 0 to 180; of area samples,
+  // where both facets have an area. Near sharp edges either of two facets may be the closest.
+  Distribution angle;
+  Vec3 farthest;  // the first sample at the largest distance
+  Vec3 opposite;  // the closest point to it
+};
+
+// The same samples as `one_sided_distance` takes, and more about them. `closest` asks `to`.
+// Same bits for any number of threads. Memory: 64 bytes a sample.
+OneSidedComparison one_sided_comparison(const TriangleSoup& from, const TriangleSoup& to, const ClosestQuery& closest,
+                                        const CompareOptions& options = {});
 
 // Components of one surface that another has nothing of.
 struct MissingComponents {

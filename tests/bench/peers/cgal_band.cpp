@@ -43,20 +43,21 @@ struct Nodes {
 
 // Of the nodes that burnish_band counts as active: how many, and a sample.
 Nodes nodes_of_band(const BandRequest& request, const TriangleSoup& lattice, int depth) {
-  const SurfaceOctree grid = grow_uniform_band(lattice, depth, request.band);
+  SurfaceOctree grid = grow_uniform_band(lattice, depth, request.band);
+  grid.layout.clear();  // every leaf stores its values, in order
   const Field<float> distance = exact_distances(lattice, grid, request.band).distance;
   const auto is_active = [&](float d) { return static_cast<double>(d) < request.band; };
   Nodes nodes;
-  nodes.active = static_cast<std::size_t>(std::count_if(distance.values.begin(), distance.values.end(), is_active));
+  nodes.active = static_cast<std::size_t>(std::count_if(distance.values().begin(), distance.values().end(), is_active));
   const std::size_t every = std::max<std::size_t>(1, nodes.active / std::max<std::size_t>(1, request.sample));
   std::size_t n = 0;
-  for (std::size_t i = 0; i < distance.values.size(); ++i) {
-    if (!is_active(distance.values[i]) || n++ % every != 0) continue;
+  for (std::size_t i = 0; i < distance.values().size(); ++i) {
+    if (!is_active(distance.values()[i]) || n++ % every != 0) continue;
     const int in_block = static_cast<int>(i % kBlockNodes);
     const LatticeNode node = lattice_node(grid.octree, i / kBlockNodes, in_block % kBlockSide, in_block / kBlockSide % kBlockSide,
                                           in_block / (kBlockSide * kBlockSide));
     const Vec3 at{static_cast<double>(node.x), static_cast<double>(node.y), static_cast<double>(node.z)};
-    nodes.sample.push_back({point(at), distance.values[i]});
+    nodes.sample.push_back({point(at), distance.values()[i]});
   }
   return nodes;
 }

@@ -1,0 +1,97 @@
+#include "compare_summary.h"
+
+#include <fmt/format.h>
+
+namespace burnish {
+namespace {
+
+constexpr int kLabelWidth = 20;
+constexpr int kColumnWidth = 14;
+constexpr int kWideColumn = 24;
+
+std::string real(double value) { return fmt::format("{:.6g}", value); }
+
+std::string row(std::string_view label, const std::string& a, const std::string& b, const std::string& difference) {
+  return fmt::format("{:<{}}{:>{}}{:>{}}{:>{}}\n", label, kLabelWidth, a, kColumnWidth, b, kColumnWidth, difference, kColumnWidth);
+}
+
+std::string count_row(std::string_view label, std::size_t a, std::size_t b) {
+  const auto difference = static_cast<std::int64_t>(b) - static_cast<std::int64_t>(a);
+  return row(label, fmt::format("{}", a), fmt::format("{}", b), fmt::format("{:+}", difference));
+}
+
+std::string real_row(std::string_view label, double a, double b) {
+  return row(label, real(a), real(b), fmt::format("{:+.6g}", b - a));
+}
+
+std::string volume_rows(const ComparedFile& a, const ComparedFile& b) {
+  if (a.volume && b.volume) return real_row("volume", *a.volume, *b.volume);
+  const auto cell = [](const ComparedFile& f) { return f.volume ? real(*f.volume) : std::string("-"); };
+  std::string text = row("volume", cell(a), cell(b), "-");
+  for (const ComparedFile* f : {&a, &b})
+    if (!f->volume) text += fmt::format("  no volume of {}: {}\n", f == &a ? "A" : "B", f->no_volume_reason);
+  return text;
+}
+
+std::string sizes(const ComparedFile& a, const ComparedFile& b) {
+  const Defects &p = a.measures, &q = b.measures;
+  std::string text = row("", "A", "B", "B - A");
+  text += count_row("facets", p.facets, q.facets);
+  text += count_row("points", p.points, q.points);
+  text += count_row("components", p.components, q.components);
+  text += count_row("open edges", p.open_edges, q.open_edges);
+  text += volume_rows(a, b);
+  text += real_row("area", p.area, q.area);
+  for (int i = 0; i < 3; ++i)
+    text += real_row(fmt::format("size along {}", "xyz"[i]), p.box.extent()[i], q.box.extent()[i]);
+  return text + real_row("diagonal", p.box.diagonal(), q.box.diagonal());
+}
+
+// A row for each of max, mean, rms and the percentiles; `cell` makes a text of a value.
+template <class Cell>
+std::string distribution_rows(const Distribution& there, const Distribution& back, Cell&& cell) {
+  const auto line = [&](const std::string& label, double x, double y) {
+    return fmt::format("{:<{}}{:>{}}{:>{}}\n", label, kLabelWidth, cell(x), kWideColumn, cell(y), kWideColumn);
+  };
+  std::string text = line("  mean", there.mean, back.mean) + line("  rms", there.rms, back.rms);
+  for (std::size_t i = 0; i < kPercentiles.size(); ++i)
+    text += line(fmt::format("  {} % within", kPercentiles[i]), there.percentiles[i], back.percentiles[i]);
+  return text + line("  max", there.max, back.max);
+}
+
+std::string place(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+std::string farthest_line(std::string_view from, std::string_view to, const OneSidedComparison& side) {
+  return fmt::format("farthest of {} from {}: {:.6g}\n  from {} on {}\n  to   {} on {}\n", from, to, side.distance.max,
+                     place(side.farthest), from, place(side.opposite), to);
+}
+
+std::string answer(const CompareResult& r) {
+  if (!r.limit) return {};
+  return fmt::format("{}: the largest distance, {:.6g}, is {} {:.6g}\n", r.within_limit() ? "yes" : "no", r.max(),
+                     r.within_limit() ? "within" : "beyond", *r.limit);
+}
+
+}  // namespace
+
+std::string compare_summary(const CompareResult& r) {
+  const auto length = [&](double value) {
+    if (!(r.diagonal > 0)) return fmt::format("{:.4g}", value);
+    return fmt::format("{:.4g} ({:.2g}%)", value, 100 * value / r.diagonal);
+  };
+  const auto degrees = [](double value) { return fmt::format("{:.4g}", value); };
+  std::string text = fmt::format("A: {} ({})\nB: {} ({})\n\n", r.a.file, r.a.format, r.b.file, r.b.format);
+  text += sizes(r.a, r.b);
+  text += fmt::format("\n{:<{}}{:>{}}{:>{}}\n", "", kLabelWidth, "A -> B", kWideColumn, "B -> A", kWideColumn);
+  text += fmt::format("{}distance, of {} and {} samples\n", r.exact ? "exact " : "", r.a_to_b.distance.samples,
+                      r.b_to_a.distance.samples);
+  text += distribution_rows(r.a_to_b.distance, r.b_to_a.distance, length);
+  if (r.a_to_b.angle.samples + r.b_to_a.angle.samples > 0) {
+    text += "angle between normals, degrees\n" + distribution_rows(r.a_to_b.angle, r.b_to_a.angle, degrees);
+  }
+  text += '\n' + farthest_line("A", "B", r.a_to_b) + farthest_line("B", "A", r.b_to_a);
+  text += fmt::format("largest distance either way: {}\n", length(r.max()));
+  return text + answer(r);
+}
+
+}  // namespace burnish

@@ -1,0 +1,99 @@
+#include <fmt/format.h>
+
+#include "burnish/pipeline/compare_files.h"
+#include "burnish/pipeline/report.h"
+#include "json.h"
+
+namespace burnish {
+namespace {
+
+using burnish::json_of;
+
+Json json_of(const ComparedFile& f) {
+  const Defects& m = f.measures;
+  return {
+      {"file", f.file},
+      {"format", f.format},
+      {"warnings", Json(f.warnings)},
+      {"facets", m.facets},
+      {"points", m.points},
+      {"components", m.components},
+      {"open_edges", m.open_edges},
+      {"volume", f.volume ? Json(*f.volume) : Json()},
+      {"no_volume_reason", f.no_volume_reason},
+      {"area", m.area},
+      {"box", json_of(m.box)},
+  };
+}
+
+std::int64_t difference(std::size_t a, std::size_t b) { return static_cast<std::int64_t>(b) - static_cast<std::int64_t>(a); }
+
+Json differences(const ComparedFile& a, const ComparedFile& b) {
+  const Box3 &p = a.measures.box, &q = b.measures.box;
+  return {
+      {"facets", difference(a.measures.facets, b.measures.facets)},
+      {"components", difference(a.measures.components, b.measures.components)},
+      {"volume", a.volume && b.volume ? Json(*b.volume - *a.volume) : Json()},
+      {"area", b.measures.area - a.measures.area},
+      {"box_lower", json_of(q.lower - p.lower)},
+      {"box_upper", json_of(q.upper - p.upper)},
+  };
+}
+
+Json json_of(const Distribution& d) {
+  if (d.samples == 0) return nullptr;
+  Json json = {{"max", d.max}, {"mean", d.mean}, {"rms", d.rms}};
+  for (std::size_t i = 0; i < kPercentiles.size(); ++i) json[fmt::format("p{}", kPercentiles[i])] = d.percentiles[i];
+  json["samples"] = d.samples;
+  return json;
+}
+
+Json percent_of(const Distribution& d, double diagonal) {
+  if (!(diagonal > 0)) return nullptr;
+  Distribution percent = d;
+  percent.max *= 100 / diagonal;
+  percent.mean *= 100 / diagonal;
+  percent.rms *= 100 / diagonal;
+  for (double& value : percent.percentiles) value *= 100 / diagonal;
+  Json json = json_of(percent);
+  json.erase("samples");
+  return json;
+}
+
+Json json_of(const OneSidedComparison& side, double diagonal) {
+  return {
+      {"distance", json_of(side.distance)},
+      {"distance_percent", percent_of(side.distance, diagonal)},
+      {"angle_degrees", json_of(side.angle)},
+      {"farthest", json_of(side.farthest)},
+      {"opposite", json_of(side.opposite)},
+  };
+}
+
+Json name_of(const std::optional<SideRule>& rule) {
+  if (!rule) return nullptr;
+  return *rule == SideRule::winding_number ? "winding_number" : "closest_facet";
+}
+
+}  // namespace
+
+std::string to_json(const CompareResult& r) {
+  return text_of({
+      {"version", kReportVersion},
+      {"generator", generator()},
+      {"a", json_of(r.a)},
+      {"b", json_of(r.b)},
+      {"difference", differences(r.a, r.b)},
+      {"exact", r.exact},
+      {"diagonal", r.diagonal},
+      {"a_to_b", json_of(r.a_to_b, r.diagonal)},
+      {"b_to_a", json_of(r.b_to_a, r.diagonal)},
+      {"max", r.max()},
+      {"max_percent", r.diagonal > 0 ? Json(100 * r.max() / r.diagonal) : Json()},
+      {"limit", r.limit ? Json(*r.limit) : Json()},
+      {"within_limit", r.limit ? Json(r.within_limit()) : Json()},
+      {"deviation_sign", name_of(r.sign)},
+  });
+}
+
+}  // namespace burnish
