@@ -15,6 +15,7 @@ namespace burnish {
 namespace {
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
+constexpr double kCellDiagonal = 1.7321;  // of a unit cell: the corners of cells with a point of the surface are nearer
 constexpr std::size_t kBatch = 256;  // facets prepared at a time
 
 Vec3 swapped(Vec3 v, int axis) {
@@ -24,44 +25,51 @@ Vec3 swapped(Vec3 v, int axis) {
 
 double distance_to_range(double x, double low, double high) { return std::max({low - x, x - high, 0.0}); }
 
-// Signed distances at the (n + 1)^3 nodes of a block cut into n^3 cells, upper faces included, in lattice units. Scattered from
-// facets as in distance.cpp, on rows of eight along the axis to which the surface is most parallel. The last row of a line has one node
-// of use; its other lanes begin at 0, so that nothing is nearer.
+// Nodes of a block cut into n^3 cells, upper faces included: i + (n + 1) (j + (n + 1) k).
+using NodeValues = std::vector<double>;
+
+std::size_t node_at(int side, int i, int j, int k) { return static_cast<std::size_t>(i + side * (j + side * k)); }
+
+// Calls visit(i, j, k, n) for all nodes in order.
+template <class Visit>
+void for_each_node(int side, Visit&& visit) {
+  std::size_t n = 0;
+  for (int k = 0; k < side; ++k)
+    for (int j = 0; j < side; ++j)
+      for (int i = 0; i < side; ++i) visit(i, j, k, n++);
+}
+
+// Distances at the nodes, in lattice units, scattered from facets as in distance.cpp, on rows of eight along the axis to which the surface
+// is most parallel. `bounds`: for each node what its distance is known to be below; 0 where nobody asks for it. The last
+// row of a line has one node of use; its other lanes have the bound 0 as well, so that nothing is nearer.
 class NodeDistances {
  public:
-  NodeDistances(const OctantFacets& octant, int cells, double reach)
-      : octant_(octant), side_(cells + 1), rows_((cells + detail::kRow) / detail::kRow),
-        spacing_(kBlockSide * octant.cell() / cells), reach_(reach / spacing_) {
+  NodeDistances(const OctantFacets& octant, int cells, const NodeValues& bounds)
+      : octant_(octant), side_(cells + 1), rows_((cells + detail::kRow) / detail::kRow), spacing_(kBlockSide * octant.cell() / cells) {
+    choose_axis();
     const auto lines = static_cast<std::size_t>(side_) * static_cast<std::size_t>(side_);
     squared_.assign(lines * line_size(), 0.0);
-    for (std::size_t line = 0; line < lines; ++line) std::fill_n(squared_.begin() + static_cast<std::ptrdiff_t>(line * line_size()), side_, reach_ * reach_);
     id_.assign(lines * line_size(), static_cast<double>(kNoFacet));
-    row_max_.assign(lines * static_cast<std::size_t>(rows_), reach_ * reach_);
-    choose_axis();
+    for_each_node(side_, [&](int i, int j, int k, std::size_t n) {
+      const double bound = bounds[n] / spacing_;
+      squared_[slot(i, j, k)] = bound * bound;
+    });
+    for (std::size_t at = 0; at < squared_.size(); at += detail::kRow)
+      row_max_.push_back(*std::max_element(&squared_[at], &squared_[at] + detail::kRow));
+    const double reach = std::sqrt(*std::max_element(row_max_.begin(), row_max_.end()));
     for (std::size_t first = 0; first < octant_.facets.size(); first += kBatch) {
       items_.clear();
       for (const std::uint32_t f : octant_.facets.subspan(first, std::min(kBatch, octant_.facets.size() - first))) add(f);
-      scatter(std::min(1.0, reach_));
-      scatter(reach_);
+      scatter(std::min(1.0, reach));
+      scatter(reach);
     }
   }
 
-  // value(i, j, k) is node i + (n + 1) (j + (n + 1) k)'s, positive inside; kUnknown beyond the reach.
-  std::vector<double> signed_values(const detail::PseudoNormals& normals) const {
-    std::vector<double> values;
-    values.reserve(static_cast<std::size_t>(side_ * side_ * side_));
-    for (int k = 0; k < side_; ++k)
-      for (int j = 0; j < side_; ++j)
-        for (int i = 0; i < side_; ++i) {
-          const Vec3 local = {static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
-          const Vec3 at = swapped(local, axis_);
-          const std::size_t n = (static_cast<std::size_t>(at.y) + static_cast<std::size_t>(side_) * static_cast<std::size_t>(at.z)) * line_size() + static_cast<std::size_t>(at.x);
-          const auto facet = static_cast<std::uint32_t>(id_[n]);
-          const double distance = std::sqrt(squared_[n]) * spacing_;
-          values.push_back(facet == kNoFacet ? kUnknown : normals.is_behind(octant_.corner + local * spacing_, facet) ? distance : -distance);
-        }
-    return values;
-  }
+  Vec3 position(int i, int j, int k) const { return octant_.corner + Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} * spacing_; }
+  double distance(int i, int j, int k) const { return std::sqrt(squared_[slot(i, j, k)]) * spacing_; }
+  // The closest facet, or kNoFacet if none was below the bound.
+  std::uint32_t facet(int i, int j, int k) const { return static_cast<std::uint32_t>(id_[slot(i, j, k)]); }
+  double spacing() const { return spacing_; }
 
  private:
   struct Item {
@@ -70,6 +78,10 @@ class NodeDistances {
     double facet;
   };
 
+  std::size_t slot(int i, int j, int k) const {
+    const std::array<int, 3> at = axis_ == 0 ? std::array{i, j, k} : axis_ == 1 ? std::array{j, i, k} : std::array{k, j, i};
+    return static_cast<std::size_t>(at[1] + side_ * at[2]) * line_size() + static_cast<std::size_t>(at[0]);
+  }
   std::size_t line_size() const { return static_cast<std::size_t>(rows_ * detail::kRow); }
 
   void choose_axis() {
@@ -116,7 +128,6 @@ class NodeDistances {
   const int side_;         // nodes
   const int rows_;         // of eight nodes a line
   const double spacing_;   // lattice units
-  const double reach_;     // in units of the spacing
   int axis_ = 0;
   std::vector<Item> items_;
   std::vector<double> squared_, id_, row_max_;
@@ -125,7 +136,7 @@ class NodeDistances {
 double lerp(double a, double b, double t) { return a + t * (b - a); }
 
 // The trilinear interpolant of the (8 + 1)^3 values at a point in cells of the block; kUnknown if a corner is.
-double interpolated(const std::vector<double>& values, const Vec3& p, double most) {
+double interpolated(const NodeValues& values, const Vec3& p, double most) {
   std::array<int, 3> low{};
   std::array<double, 3> t{};
   for (std::size_t a = 0; a < 3; ++a) {
@@ -136,7 +147,7 @@ double interpolated(const std::vector<double>& values, const Vec3& p, double mos
   std::array<double, 8> v{};
   for (std::size_t c = 0; c < 8; ++c) {
     const int i = low[0] + static_cast<int>(c & 1), j = low[1] + static_cast<int>(c >> 1 & 1), k = low[2] + static_cast<int>(c >> 2);
-    v[c] = values[static_cast<std::size_t>(i + (kBlockSide + 1) * (j + (kBlockSide + 1) * k))];
+    v[c] = values[node_at(kBlockSide + 1, i, j, k)];
     if (!(std::abs(v[c]) <= most)) return kUnknown;
   }
   return lerp(lerp(lerp(v[0], v[1], t[0]), lerp(v[2], v[3], t[0]), t[1]), lerp(lerp(v[4], v[5], t[0]), lerp(v[6], v[7], t[0]), t[1]), t[2]);
@@ -164,13 +175,30 @@ class DistanceError : public RefinementCriterion {
   std::string_view name() const override { return "error"; }
 
   bool divides(const OctantFacets& octant) const override {  // [T-ADAPT-1]
-    const double reach = options_.band * octant.cell();
-    const std::vector<double> values = NodeDistances(octant, kBlockSide, reach).signed_values(normals_);
+    const NodeValues values = coarse_values(octant);
     return misses_surface(octant, values) || misses_finer_nodes(octant, values);
   }
 
  private:
-  bool misses_surface(const OctantFacets& octant, const std::vector<double>& values) const {
+  // Signed distances at the block's own nodes; kUnknown beyond what (a) and (b) ask for. A node farther from the surface than from the node before
+  // it lies on the same side.
+  NodeValues coarse_values(const OctantFacets& octant) const {
+    constexpr int side = kBlockSide + 1;
+    const double reach = std::max(kCellDiagonal, std::min(options_.checked, options_.band)) * octant.cell();
+    const NodeDistances nodes(octant, kBlockSide, NodeValues(side * side * side, reach));
+    NodeValues values(side * side * side, kUnknown);
+    for_each_node(side, [&](int i, int j, int k, std::size_t n) {
+      const std::uint32_t facet = nodes.facet(i, j, k);
+      if (facet == kNoFacet) return;
+      const double distance = nodes.distance(i, j, k);
+      const double before = i > 0 ? values[n - 1] : j > 0 ? values[n - side] : k > 0 ? values[n - side * side] : kUnknown;
+      const bool inside = distance > nodes.spacing() && before != kUnknown ? before > 0 : normals_.is_behind(nodes.position(i, j, k), facet);
+      values[n] = inside ? distance : -distance;
+    });
+    return values;
+  }
+
+  bool misses_surface(const OctantFacets& octant, const NodeValues& values) const {
     const auto misses = [&](const Vec3& p) {
       if (std::min({p.x, p.y, p.z}) < 0 || std::max({p.x, p.y, p.z}) > kBlockSide) return false;
       return !(std::abs(interpolated(values, p, kUnknown)) <= options_.tolerance);
@@ -191,20 +219,46 @@ class DistanceError : public RefinementCriterion {
     });
   }
 
-  bool misses_finer_nodes(const OctantFacets& octant, const std::vector<double>& values) const {
+  // At the nodes between the block's own, in cells whose corners are all known and near enough.
+  bool misses_finer_nodes(const OctantFacets& octant, const NodeValues& values) const {
+    constexpr int side = 2 * kBlockSide + 1;
     const double most = std::min(options_.checked, options_.band) * octant.cell();
-    if (std::none_of(values.begin(), values.end(), [&](double v) { return std::abs(v) <= most; })) return false;
-    const std::vector<double> finer = NodeDistances(octant, 2 * kBlockSide, options_.band * octant.cell()).signed_values(normals_);
-    std::size_t n = 0;
-    for (int k = 0; k <= 2 * kBlockSide; ++k)
-      for (int j = 0; j <= 2 * kBlockSide; ++j)
-        for (int i = 0; i <= 2 * kBlockSide; ++i, ++n) {
-          if ((i | j | k) % 2 == 0 || finer[n] == kUnknown) continue;
-          const double value = interpolated(values, Vec3{0.5 * i, 0.5 * j, 0.5 * k}, most);
-          if (value != kUnknown && !(std::abs(value - finer[n]) <= options_.tolerance)) return true;
-        }
-    return false;
+    const double spacing = 0.5 * octant.cell();
+    NodeValues interpolants(side * side * side, kUnknown), bounds(side * side * side, 0);
+    bool any = false;
+    for_each_node(side, [&](int i, int j, int k, std::size_t n) {
+      if ((i | j | k) % 2 == 0) return;
+      interpolants[n] = interpolated(values, Vec3{0.5 * i, 0.5 * j, 0.5 * k}, most);
+      if (interpolants[n] == kUnknown) return;
+      any = true;
+      bounds[n] = std::min(options_.band * octant.cell(), (nearest_corner(values, i, j, k) + step(i, j, k) * spacing) * (1 + 1e-9));
+    });
+    if (!any) return false;
+    const NodeDistances nodes(octant, 2 * kBlockSide, bounds);
+    bool misses = false;
+    for_each_node(side, [&](int i, int j, int k, std::size_t n) {
+      if (misses || interpolants[n] == kUnknown) return;
+      const std::uint32_t facet = nodes.facet(i, j, k);
+      if (facet == kNoFacet) return;
+      const double distance = nodes.distance(i, j, k);
+      const bool inside = distance > step(i, j, k) * spacing ? values[node_at(kBlockSide + 1, i / 2, j / 2, k / 2)] > 0
+                                                             : normals_.is_behind(nodes.position(i, j, k), facet);
+      misses = !(std::abs(interpolants[n] - (inside ? distance : -distance)) <= options_.tolerance);
+    });
+    return misses;
   }
+
+  // The least distance of the block's own nodes around a finer one.
+  static double nearest_corner(const NodeValues& values, int i, int j, int k) {
+    double least = kUnknown;
+    for (int z = k / 2; z <= (k + 1) / 2; ++z)
+      for (int y = j / 2; y <= (j + 1) / 2; ++y)
+        for (int x = i / 2; x <= (i + 1) / 2; ++x) least = std::min(least, std::abs(values[node_at(kBlockSide + 1, x, y, z)]));
+    return least;
+  }
+
+  // From the block's own nodes around a finer one, in finer cells.
+  static double step(int i, int j, int k) { return std::sqrt(static_cast<double>(i % 2 + j % 2 + k % 2)); }
 
   const detail::PseudoNormals normals_;
   const ErrorOptions options_;

@@ -18,8 +18,8 @@ struct ErrorOptions {
   int coarsest_level = 3;   // of blocks within the band
   double band = 3;          // cells of a block's own level, at least 2
   // Cells of a block's own level within which distances off the surface are compared as well; 0: only the surface itself.
-  // Beside thin walls and sharp edges distances have kinks, which divide blocks for as long as these lie within it.
-  double checked = 3;
+  // Beside thin walls and sharp edges distances have kinks, which divide blocks for as long as these lie within it. At most `band`.
+  double checked = 2;
 };
 
 // The error criterion: divides a block of level l unless the trilinear interpolant of the exact signed distances at its nodes
@@ -33,8 +33,9 @@ struct ErrorOptions {
 // Signs are those of the closest facet, by angle-weighted pseudonormals at edges and vertices: right for closed surfaces with
 // consistent orientation and shared points. Elsewhere a wrong sign makes the error larger, and the block is divided.
 //
-// Cost: (b) takes a quarter of (a) and is tried first; (a) about 1.7 times the distances of the eight children. `lattice_soup`
-// must outlive the criterion.                                                                        [T-ADAPT-2]
+// Cost: about a microsecond per facet and level for (b), which is tried first, and once to twice that for (a) where (b) is content. Growing
+// all levels takes about as long as the uniform level set of the finest, more where facets are smaller than its cells
+// (docs/benchmarks.md). `lattice_soup` must outlive the criterion.                                   [T-ADAPT-2]
 std::unique_ptr<RefinementCriterion> distance_error(const TriangleSoup& lattice_soup, const ErrorOptions& options);
 
 // grow_adaptive by the error criterion alone, for blocks (8 cells a side). Throws as that does.
