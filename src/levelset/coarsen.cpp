@@ -22,11 +22,13 @@ class OctantInterpolant {
  public:
   OctantInterpolant(const Octree& tree, const Field<T>& field, std::uint64_t key) : level_(morton::level(key)) {
     const morton::Position c = morton::corner(key);
-    base_ = {static_cast<std::int32_t>(c.x) * kBlockSide, static_cast<std::int32_t>(c.y) * kBlockSide, static_cast<std::int32_t>(c.z) * kBlockSide};
+    const auto at = [](std::uint32_t blocks) { return static_cast<std::int32_t>(blocks) * kBlockSide; };
+    base_ = {at(c.x), at(c.y), at(c.z)};
     std::size_t n = 0;
     for (int k = 0; k < kCorners; ++k)
       for (int j = 0; j < kCorners; ++j)
-        for (int i = 0; i < kCorners; ++i) values_[n++] = node_value(tree, field, {base_.x + (i << level_), base_.y + (j << level_), base_.z + (k << level_)});
+        for (int i = 0; i < kCorners; ++i)
+          values_[n++] = node_value(tree, field, {base_.x + (i << level_), base_.y + (j << level_), base_.z + (k << level_)});
   }
 
   double at(const LatticeNode& node) const {

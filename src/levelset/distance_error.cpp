@@ -65,7 +65,9 @@ class NodeDistances {
     }
   }
 
-  Vec3 position(int i, int j, int k) const { return octant_.corner + Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} * spacing_; }
+  Vec3 position(int i, int j, int k) const {
+    return octant_.corner + Vec3{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)} * spacing_;
+  }
   double distance(int i, int j, int k) const { return std::sqrt(squared_[slot(i, j, k)]) * spacing_; }
   // The closest facet, or kNoFacet if none was below the bound.
   std::uint32_t facet(int i, int j, int k) const { return static_cast<std::uint32_t>(id_[slot(i, j, k)]); }

@@ -97,7 +97,8 @@ Field<T> transfer_nodal(const Octree& from, const Field<T>& field, const Octree&
           return;
         }
         for (int n = 0; n < static_cast<int>(kBlockNodes); ++n)
-          out[n] = static_cast<T>(node_value(from, field, lattice_node(to, leaf, n % kBlockSide, n / kBlockSide % kBlockSide, n / (kBlockSide * kBlockSide))));
+          out[n] = static_cast<T>(node_value(
+              from, field, lattice_node(to, leaf, n % kBlockSide, n / kBlockSide % kBlockSide, n / (kBlockSide * kBlockSide))));
       },
       kLeafGrain);
   return result;

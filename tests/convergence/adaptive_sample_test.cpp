@@ -68,7 +68,10 @@ double worst_error(int depth, double size, const Distance& distance) {
           const double half = 4 << tree.level(leaf);
           const Vec3 middle_of_leaf = to_vec(lattice_node(tree, leaf, 4, 4, 4));
           if (std::abs(distance((middle_of_leaf - center) / size)) * size > 1.8 * half + kReach * size + 16) return;
-          for (int n = 0; n < 512; ++n) field.block(leaf)[n] = size * distance((to_vec(lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64)) - center) / size);
+          for (int n = 0; n < 512; ++n) {
+            const Vec3 p = to_vec(lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64));
+            field.block(leaf)[n] = size * distance((p - center) / size);
+          }
         },
         16);
     std::uniform_real_distribution<double> any(-1.3, 1.3);

@@ -33,6 +33,12 @@ TriangleSoup in_domain(const TriangleSoup& soup, double scale, int depth, const 
   return moved(scaled(moved(soup, bounding_box(soup).center() * -1.0), scale), Vec3{middle, middle, middle} + offset);
 }
 
+// Of the leaf that holds a point.
+int level_of(const SurfaceOctree& grid, const Vec3& p) {
+  const auto block = [](double x) { return static_cast<std::uint32_t>(x / kBlockSide); };
+  return grid.octree.level(grid.octree.find({block(p.x), block(p.y), block(p.z)}));
+}
+
 struct Measured {
   double on_surface = 0, beside = 0;  // largest errors at points in blocks that are not finest
   std::size_t points = 0;
@@ -57,16 +63,13 @@ Measured measured_errors(const TriangleSoup& soup, const SurfaceOctree& grid, co
     double s = any(random), t = any(random);
     if (s + t > 1) s = 1 - s, t = 1 - t;
     const Vec3 p = soup.corner(f, 0) + (soup.corner(f, 1) - soup.corner(f, 0)) * s + (soup.corner(f, 2) - soup.corner(f, 0)) * t;
-    const auto level_at = [&](const Vec3& x) {
-      return grid.octree.level(grid.octree.find({static_cast<std::uint32_t>(x.x / 8), static_cast<std::uint32_t>(x.y / 8), static_cast<std::uint32_t>(x.z / 8)}));
-    };
-    const int level = level_at(p);
+    const int level = level_of(grid, p);
     if (level == 0) continue;
     ++m.points;
     m.on_surface = std::max(m.on_surface, std::abs(sample(grid.octree, field, p.x, p.y, p.z)));
     const Vec3 q = p + (random_offset(random) * 2.0 - Vec3{1, 1, 1}) * std::ldexp(0.5, level);
     const double value = sample(grid.octree, field, q.x, q.y, q.z);
-    if (level_at(q) != level || std::isnan(value)) continue;
+    if (level_of(grid, q) != level || std::isnan(value)) continue;
     const double exact = (inside(q) ? 1 : -1) * std::sqrt(index.closest(q).squared_distance);
     m.beside = std::max(m.beside, std::abs(value - exact));
   }
@@ -123,12 +126,11 @@ TEST(AdaptProperty, LevelsFollowTheCurvature) {
 TEST(AdaptProperty, DetailsBetweenNodesAreFound) {
   TriangleSoup soup = in_domain(icosphere(5), 90, 5, {0.31, 0.47, 0.13});
   const Vec3 center{128.31, 128.47, 128.13};
-  const auto top = static_cast<std::size_t>(std::max_element(soup.points.begin(), soup.points.end(), [](const Vec3& a, const Vec3& b) { return a.x + a.y < b.x + b.y; }) - soup.points.begin());
-  soup.points[top] += (soup.points[top] - center) * (4 / norm(soup.points[top] - center));
+  Vec3& top = *std::max_element(soup.points.begin(), soup.points.end(), [](const Vec3& a, const Vec3& b) { return a.x + a.y < b.x + b.y; });
+  top += (top - center) * (4 / norm(top - center));
   const AdaptiveGrowth grown = grow_to_tolerance(soup, 5, {.tolerance = 0.2, .coarsest_level = 3});
   const SurfaceOctree& grid = grown.grid;
-  const Vec3 p = soup.points[top];
-  EXPECT_EQ(grid.octree.level(grid.octree.find({static_cast<std::uint32_t>(p.x / 8), static_cast<std::uint32_t>(p.y / 8), static_cast<std::uint32_t>(p.z / 8)})), 0);
+  EXPECT_EQ(level_of(grid, top), 0);
   EXPECT_LT(grown.statistics.levels[0].cells_cut, grown.statistics.cells_cut() / 2);
 }
 
@@ -143,7 +145,8 @@ TEST(AdaptProperty, FlatFacesStayCoarseAndSharpEdgesAreFinest) {
     const morton::Position c = grid.octree.corner(leaf);
     const double size = 8 << grid.octree.level(leaf);
     const Vec3 low{8.0 * c.x, 8.0 * c.y, 8.0 * c.z}, high = low + Vec3{size, size, size};
-    const auto meets = [&](int a) { return (low[a] < bounds.lower[a] && bounds.lower[a] < high[a]) || (low[a] < bounds.upper[a] && bounds.upper[a] < high[a]); };
+    const auto holds = [&](int a, double x) { return low[a] < x && x < high[a]; };
+    const auto meets = [&](int a) { return holds(a, bounds.lower[a]) || holds(a, bounds.upper[a]); };
     const auto within = [&](int a) { return bounds.lower[a] < high[a] && low[a] < bounds.upper[a]; };
     const int faces = meets(0) + meets(1) + meets(2);
     if (faces >= 2 && within(0) && within(1) && within(2)) {
@@ -212,7 +215,8 @@ TEST(CoarsenProperty, NoNodeIsOffByMoreThanTheTolerance) {
   for (const double tolerance : {0.003, 0.03, 0.3})
     for (const double radius : {9.0, 20.0}) {
       SCOPED_TRACE(testing::Message() << "tolerance " << tolerance << ", radius " << radius);
-      const auto ball = spread_level_set<double>(Octree::build(3, all_blocks(3)), 6, [&](const LatticeNode& n) { return radius - norm(to_vec(n) - center); });
+      const auto distance = [&](const LatticeNode& n) { return radius - norm(to_vec(n) - center); };
+      const auto ball = spread_level_set<double>(Octree::build(3, all_blocks(3)), 6, distance);
       const auto coarse = coarsen(ball, tolerance, 3);
       expect_kept(ball, coarse, tolerance);
       EXPECT_LT(coarse.octree().size(), ball.octree().size());
@@ -225,7 +229,8 @@ TEST(CoarsenProperty, WavySurfacesOnRandomOctrees) {
     std::mt19937 random(seed);
     const Octree tree = random_octree(random, 3, 60);
     const Vec3 wave = random_offset(random) * 0.25;
-    const auto set = spread_level_set<float>(tree, 8, [&](const LatticeNode& n) { return n.z - 30.3 + 5 * std::sin(wave.x * n.x) * std::cos(wave.y * n.y); });
+    const auto height = [&](const LatticeNode& n) { return n.z - 30.3 + 5 * std::sin(wave.x * n.x) * std::cos(wave.y * n.y); };
+    const auto set = spread_level_set<float>(tree, 8, height);
     for (const double tolerance : {0.01, 0.1, 1.0}) expect_kept(set, coarsen(set, tolerance, 3), tolerance);
   }
 }
@@ -237,7 +242,8 @@ TEST(CoarsenProperty, RefinedAndCoarsenedIsTheIdentity) {
     std::uniform_real_distribution<double> any(-5, 5);
     const Octree tree = random_octree(random, 3, 3);
     // Beside the walls, beyond which values continue and nothing is interpolated, nodes are beyond the band.
-    const auto set = spread_level_set<double>(tree, 100, [&](const LatticeNode& n) { return std::max({n.x, n.y, n.z}) < 56 ? any(random) : 200; });
+    const auto value = [&](const LatticeNode& n) { return std::max({n.x, n.y, n.z}) < 56 ? any(random) : 200; };
+    const auto set = spread_level_set<double>(tree, 100, value);
     Keys keys = keys_of(tree);
     for (const std::uint64_t key : keys_of(tree))
       if (const int l = morton::level(key); l > 0 && random() % 2) keys.push_back(morton::key((key >> (3 * l + 1)) << 3, l - 1));
@@ -255,7 +261,8 @@ TEST(CoarsenProperty, RefinedAndCoarsenedIsTheIdentity) {
 }
 
 TEST(CoarsenProperty, ALinearFieldBecomesAsCoarseAsAllowed) {
-  const auto set = spread_level_set<double>(Octree::build(3, all_blocks(3)), 100, [](const LatticeNode& n) { return 0.5 * n.x + 0.25 * n.y - n.z + 11; });
+  const auto linear = [](const LatticeNode& n) { return 0.5 * n.x + 0.25 * n.y - n.z + 11; };
+  const auto set = spread_level_set<double>(Octree::build(3, all_blocks(3)), 100, linear);
   const auto coarse = coarsen(set, 1e-12, 2);
   // The walls' last cells continue their nodes' values, which is not linear: blocks at the upper walls stay.
   EXPECT_EQ(coarse.octree().level(coarse.octree().find({0, 0, 0})), 2);
