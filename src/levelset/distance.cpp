@@ -37,8 +37,8 @@ class BlockScatter {
     swap_axis();
     block_.reset(band * band, static_cast<double>(kNoFacet));
     // Near rows first: they bring the distances down against which far rows are then skipped.
-    detail::scatter(items_.data(), items_.size(), std::min(kFirstReach, band), block_);
-    detail::scatter(items_.data(), items_.size(), band, block_);
+    detail::scatter(items_.data(), items_.size(), std::min(kFirstReach, band), block_.rows());
+    detail::scatter(items_.data(), items_.size(), band, block_.rows());
   }
 
   // The results: squared distances in finest cells, and the facets.

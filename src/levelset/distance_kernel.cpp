@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <new>
 
 #if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
     !defined(__clang__)
@@ -71,10 +72,10 @@ class WellShaped {
     }
   }
 
-  // Squared distances of the eight points (i, y, z), i = 0..7.
-  BURNISH_INLINE Row squared_distances(double y, double z) const {
-    std::array<double, kBlockSide> base;  // the functions at (0, y, z)
-    store(load(y_.data()) * y + (load(z_.data()) * z + load(origin_.data())), base.data());
+  // Squared distances of the eight points (x + i, y, z), i = 0..7.
+  BURNISH_INLINE Row squared_distances(double x, double y, double z) const {
+    alignas(64) std::array<double, kBlockSide> base;  // the functions at (x, y, z)
+    store(load(x0_.data()) * x + (load(y_.data()) * y + (load(z_.data()) * z + load(origin_.data()))), base.data());
     Row in_plane = row_of(1e300), inside = row_of(1e300);
     for (std::size_t i = 0; i < 3; ++i) {
       const Row across = x_[kInwards + i] + base[kInwards + i], at = x_[kAlong + i] + base[kAlong + i];
@@ -92,13 +93,14 @@ class WellShaped {
 
   BURNISH_INLINE void set(std::size_t function, const Vec3& direction, const Vec3& zero_at) {
     x_[function] = Row{0, 1, 2, 3, 4, 5, 6, 7} * direction.x;
+    x0_[function] = direction.x;
     y_[function] = direction.y;
     z_[function] = direction.z;
     origin_[function] = -dot(direction, zero_at);
   }
 
   std::array<Row, 7> x_;  // of each function, what x adds for the eight points of a row
-  alignas(64) std::array<double, kBlockSide> y_{}, z_{}, origin_{};
+  alignas(64) std::array<double, kBlockSide> x0_{}, y_{}, z_{}, origin_{};
   std::array<double, 3> length_;
 };
 
@@ -129,8 +131,8 @@ struct AnyShape {
     for (std::size_t i = 0; i < 3; ++i) inwards[i] = cross(n, edge[i]);
   }
 
-  BURNISH_INLINE Row squared_distances(double y, double z) const {
-    const Row x = {0, 1, 2, 3, 4, 5, 6, 7};
+  BURNISH_INLINE Row squared_distances(double x0, double y, double z) const {
+    const Row x = Row{0, 1, 2, 3, 4, 5, 6, 7} + x0;
     Row best = row_of(1e300), inside = row_of(1e300);
     Row u, v_, w;
     for (std::size_t i = 0; i < 3; ++i) {
@@ -157,63 +159,62 @@ BURNISH_INLINE bool is_well_shaped(const std::array<Vec3, 3>& v) {
 }
 
 template <class Triangle>
-BURNISH_INLINE void update_row(const Triangle& triangle, double facet, std::size_t row, BlockDistances& block) {
-  const Row found = triangle.squared_distances(static_cast<double>(row % kBlockSide), static_cast<double>(row / kBlockSide));
-  double* squared = block.squared.data() + row * kBlockSide;
-  double* id = block.id.data() + row * kBlockSide;
+BURNISH_INLINE void update_row(const Triangle& triangle, double facet, int r, int j, int k, const NodeRows nodes) {
+  const Row found = triangle.squared_distances(kBlockSide * r, j, k);
+  const std::size_t row = nodes.row_index(r, j, k);
+  double* squared = nodes.squared + row * kBlockSide;
+  double* id = nodes.id + row * kBlockSide;
   const Row old = load(squared);
   const Mask nearer = found < old;
   const Row least = nearer ? found : old;
   store(least, squared);
   store(nearer ? row_of(facet) : load(id), id);
-  block.row_max[row] = largest_of(least);
+  nodes.row_max[row] = largest_of(least);
 }
 
 BURNISH_INLINE double distance_to_range(double x, double low, double high) { return std::max({low - x, x - high, 0.0}); }
 
-// Which rows an item may matter to: eight bytes for each of the eight layers.
-using Rows = std::array<std::uint64_t, kBlockSide>;
-
-// Whether there are any whose squared box distance is below the limit.
-BURNISH_INLINE bool find_rows(const ScatterItem& item, double limit, const BlockDistances& block, Rows& rows) {
-  const Row y = {0, 1, 2, 3, 4, 5, 6, 7};
-  const Row dy = larger(larger(item.low.y - y, y - item.high.y), Row{});
-  const double dx = std::max({item.low.x - (kBlockSide - 1), -item.high.x, 0.0});
-  const Row dxy2 = dy * dy + dx * dx;
-  std::uint64_t any = 0;
-  for (int k = 0; k < kBlockSide; ++k) {
-    const double dz = distance_to_range(k, item.low.z, item.high.z);
-    const Row bound = dxy2 + dz * dz;  // of the squared distances of whole rows [T-DIST-3]
-    const Row most = smaller(load(block.row_max.data() + k * kBlockSide), row_of(limit));
-    rows[static_cast<std::size_t>(k)] = bytes_of(bound < most);
-    any |= rows[static_cast<std::size_t>(k)];
-  }
-  return any != 0;
-}
-
+// Where an item is to be scattered to: its triangle is prepared when the first row wants it.
 template <class Triangle>
-BURNISH_INLINE void update_rows(const Triangle& triangle, double facet, const Rows& rows, BlockDistances& block) {
-  for (std::size_t k = 0; k < kBlockSide; ++k)
-    for (std::uint64_t left = rows[k]; left != 0;) {
-      const auto j = static_cast<std::size_t>(std::countr_zero(left)) / 8;
-      left &= ~(std::uint64_t{0xff} << (8 * j));
-      update_row(triangle, facet, j + kBlockSide * k, block);
+BURNISH_INLINE void scatter_item(const ScatterItem& item, double limit, const NodeRows nodes) {
+  bool prepared = false;
+  alignas(64) unsigned char memory[sizeof(Triangle)];
+  auto* triangle = reinterpret_cast<Triangle*>(memory);
+  for (int r = 0; r < nodes.rows; ++r) {
+    const double dx = std::max({item.low.x - (kBlockSide * r + kBlockSide - 1), kBlockSide * r - item.high.x, 0.0});
+    if (dx * dx >= limit) continue;
+    for (int first = 0; first < nodes.height; first += kBlockSide) {
+      const Row y = Row{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<double>(first);
+      const Row dy = larger(larger(item.low.y - y, y - item.high.y), Row{});
+      const Row dxy2 = dy * dy + dx * dx;
+      for (int k = 0; k < nodes.depth; ++k) {
+        const double dz = distance_to_range(k, item.low.z, item.high.z);
+        const Row bound = dxy2 + dz * dz;  // of the squared distances of whole rows [T-DIST-3]
+        const Row most = smaller(load(nodes.row_max + nodes.row_index(r, first, k)), row_of(limit));
+        std::uint64_t left = bytes_of(bound < most);
+        if (left == 0) continue;
+        if (!prepared) new (triangle) Triangle(item.corners);
+        prepared = true;
+        while (left != 0) {
+          const int j = std::countr_zero(left) / 8;
+          left &= ~(std::uint64_t{0xff} << (8 * j));
+          update_row(*triangle, item.facet, r, first + j, k, nodes);
+        }
+      }
     }
+  }
 }
 
 }  // namespace
 
 BURNISH_DISPATCH
-void scatter(const ScatterItem* items, std::size_t count, double reach, BlockDistances& block) {
+void scatter(const ScatterItem* items, std::size_t count, double reach, NodeRows nodes) {
   const double limit = std::nextafter(reach * reach, 1e300);
-  Rows rows;
-  for (std::size_t i = 0; i < count; ++i) {
-    if (!find_rows(items[i], limit, block, rows)) continue;
+  for (std::size_t i = 0; i < count; ++i)
     if (is_well_shaped(items[i].corners))
-      update_rows(WellShaped(items[i].corners), items[i].facet, rows, block);
+      scatter_item<WellShaped>(items[i], limit, nodes);
     else
-      update_rows(AnyShape(items[i].corners), items[i].facet, rows, block);
-  }
+      scatter_item<AnyShape>(items[i], limit, nodes);
 }
 
 BURNISH_DISPATCH

@@ -31,7 +31,7 @@ Band by_stages(const BandRequest& request, const TriangleSoup& soup, const GridF
   clock.begin("grow");
   SurfaceOctree grid = grow_uniform_band(lattice, frame.depth, request.band);
   clock.begin("distances");
-  DistanceField field = exact_distances(lattice, grid, request.band);
+  DistanceField field = exact_distances(lattice, grid, request.band, {}, no_progress(), KeepNearest::no);
   if (request.is_signed) {
     clock.begin("index");
     const TriangleIndex triangles(lattice);
@@ -40,11 +40,7 @@ Band by_stages(const BandRequest& request, const TriangleSoup& soup, const GridF
     clock.begin("classify");
     const InsideField classified = classify_nodes(grid, field.distance, crossed, triangles);
     clock.begin("sides");
-    const auto sides = facet_sides(lattice, grid, classified.inside);
-    clock.begin("sign");
-    parallel_for(field.distance.values.size(), [&](std::size_t i) {
-      if (!classified.inside.values[i]) field.distance.values[i] = -field.distance.values[i];
-    });
+    facet_sides(lattice, grid, classified.inside, facets_across_idle_edges(lattice, grid, crossed, classified.inside));
   }
   clock.end();
   return {std::move(grid), std::move(field.distance)};
@@ -66,12 +62,12 @@ nlohmann::ordered_json measure(const BandRequest& request, const TriangleSoup& s
   nlohmann::ordered_json line = line_of(request, "burnish", soup);
   std::size_t near = 0, active = 0;
   for (std::size_t leaf = 0; leaf < band.grid.octree.size(); ++leaf) near += band.grid.near_surface(leaf);
-  for (const float phi : band.phi.values) active += std::abs(static_cast<double>(phi)) < request.band;
+  for (const float phi : band.phi.values()) active += std::abs(static_cast<double>(phi)) < request.band;
   line["blocks"] = band.grid.octree.size();
   line["near_nodes"] = near * kBlockNodes;
   line["active"] = active;
   add_costs(line, clock.stages(), active);
-  line["result_mb"] = std::round(1e-5 * static_cast<double>(band.grid.bytes() + band.phi.values.size() * sizeof(float))) / 10;
+  line["result_mb"] = std::round(1e-5 * static_cast<double>(band.grid.bytes() + band.phi.bytes())) / 10;
   return line;
 }
 

@@ -48,6 +48,11 @@ class Octree {
   // Throws Error{memory_limit} beyond 2^32 - 2 leaves.
   static Octree build(int depth, std::vector<std::uint64_t> finest);
 
+  // The same for octants of any level: the coarsest balanced octree in which every octant of `keys` (Morton keys of level
+  // <= depth, any order, duplicated and nested ones allowed) is a leaf or is divided further. `build` is the case of
+  // keys of level 0.
+  static Octree build_graded(int depth, std::vector<std::uint64_t> keys);
+
   int depth() const { return depth_; }
   std::size_t size() const { return keys_.size(); }
   // Finest blocks along a side of the domain.
