@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kFacetGrain = 2048, kOctantGrain = 16;
 constexpr std::uint8_t kNothing = 255;
+constexpr double kRounding = 1e-6;  // cells
 
 // Octants of one level with their facets.
 struct Layer {
@@ -116,31 +117,25 @@ class Growth {
             layer.level, options_.cells_per_side, options_.band};
   }
 
-  // Which of the octant's eight children, inflated by their band, facet f meets. Lists of levels above the coarsest are inflated by
-  // the coarsest's band: enough for all that comes of them.
+  // Which of the octant's eight children have facet f in their lists. Lists of levels above the coarsest reach as far as the coarsest's
+  // band: enough for all that comes of them.
   std::uint8_t children_met(std::uint64_t octant, int level, std::uint32_t f) const {
+    const double cell = std::ldexp(1.0, level - 1), half = 0.5 * options_.cells_per_side * cell;
+    const double band = options_.band * std::ldexp(1.0, std::min(level - 1, options_.coarsest_level));
     const Vec3 &a = soup_.corner(f, 0), &b = soup_.corner(f, 1), &c = soup_.corner(f, 2);
-    const Vec3 low = min(min(a, b), c), high = max(max(a, b), c);
-    const double half = 0.5 * options_.cells_per_side * std::ldexp(1.0, level - 1);
-    const double reach = half + options_.band * std::ldexp(1.0, std::min(level - 1, options_.coarsest_level));
     const morton::Position p = morton::deinterleave(octant);
-    std::array<std::array<double, 2>, 3> center{};
-    std::array<std::array<bool, 2>, 3> meets{};
-    const std::array<std::uint32_t, 3> at{p.x, p.y, p.z};
-    for (std::size_t axis = 0; axis < 3; ++axis)
-      for (std::size_t s = 0; s < 2; ++s) {
-        const int x = static_cast<int>(axis);
-        center[axis][s] = (4.0 * at[axis] + 2.0 * static_cast<double>(s) + 1) * half;
-        meets[axis][s] = low[x] <= center[axis][s] + reach && high[x] >= center[axis][s] - reach;
-      }
-    std::uint8_t met = 0;
-    for (std::size_t child = 0; child < 8; ++child) {
-      const std::size_t x = child & 1, y = child >> 1 & 1, z = child >> 2;
-      if (meets[0][x] && meets[1][y] && meets[2][z] &&
-          triangle_overlaps_cube(a, b, c, {center[0][x], center[1][y], center[2][z]}, reach))
-        met = static_cast<std::uint8_t>(met | 1u << child);
-    }
-    return met;
+    const auto center = [&](std::uint32_t at, std::uint32_t s) { return (4.0 * at + 2.0 * s + 1) * half; };
+    const auto of_children = [&](auto&& meets) {
+      std::uint8_t met = 0;
+      for (std::uint32_t child = 0; child < 8; ++child)
+        if (meets(Vec3{center(p.x, child & 1), center(p.y, child >> 1 & 1), center(p.z, child >> 2)})) met = static_cast<std::uint8_t>(met | 1u << child);
+      return met;
+    };
+    if (options_.cells_per_side == 1) return of_children([&](const Vec3& at) { return triangle_overlaps_cube(a, b, c, at, half + band); });
+    // A block's nodes end half a cell before its cube on either side of their own centre.
+    const double ends = level - 1 <= options_.coarsest_level ? 0.5 * cell : 0;
+    const TriangleNearBox near(a, b, c, band + kRounding);
+    return of_children([&](const Vec3& at) { return near(at - Vec3{1, 1, 1} * ends, half - ends); });
   }
 
   // For every facet in the list of an octant that is divided.

@@ -57,6 +57,7 @@ Case random_case(unsigned seed) {
   c.depth = seed % 2 == 0 ? 3 : 6;
   c.options.coarsest_level = static_cast<int>(random() % static_cast<unsigned>(c.depth + 1));
   c.options.band = static_cast<double>(random() % 4);
+  if (c.options.cells_per_side == 8) c.options.band = std::max(c.options.band, 2.0);
   if (random() % 2) c.limits.max_face_limit = random() % 4;
   if (random() % 2) c.limits.max_face_cut = 1 + random() % 6;
   if (random() % 2) c.limits.refine_tol = std::exp(std::uniform_real_distribution<double>(-2, 2)(random));
@@ -72,12 +73,20 @@ bool overlaps(const TriangleSoup& soup, std::uint32_t f, const Vec3& corner, dou
   return triangle_overlaps_cube(soup.corner(f, 0), soup.corner(f, 1), soup.corner(f, 2), corner + Vec3{1, 1, 1} * (0.5 * side), 0.5 * side + by);
 }
 
-// All facets against the cube of the octant, inflated by `by`.
+// All facets against the cube of the octant inflated by `by`, or of a block against the box of its nodes rounded by it; above the
+// coarsest level against its cube rounded by it.
 std::vector<std::uint32_t> facets_near(const Case& c, std::uint64_t key, double by) {
   std::vector<std::uint32_t> near;
-  const double side = c.options.cells_per_side * std::ldexp(1.0, morton::level(key));
-  for (std::uint32_t f = 0; f < c.soup.facets.size(); ++f)
-    if (overlaps(c.soup, f, corner_of(key, c.options.cells_per_side), side, by)) near.push_back(f);
+  const int level = morton::level(key);
+  const double cell = std::ldexp(1.0, level), side = c.options.cells_per_side * cell;
+  const Vec3 corner = corner_of(key, c.options.cells_per_side);
+  const double half = 0.5 * (level <= c.options.coarsest_level ? side - cell : side);
+  for (std::uint32_t f = 0; f < c.soup.facets.size(); ++f) {
+    const bool meets = c.options.cells_per_side == 1
+                           ? overlaps(c.soup, f, corner, side, by)
+                           : TriangleNearBox(c.soup.corner(f, 0), c.soup.corner(f, 1), c.soup.corner(f, 2), by + 1e-6)(corner + Vec3{1, 1, 1} * half, half);
+    if (meets) near.push_back(f);
+  }
   return near;
 }
 

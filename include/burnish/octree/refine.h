@@ -7,7 +7,7 @@
 //
 // **Growth** is synchronous by level. Octants begin as the one that is the domain and are divided down to the coarsest level
 // wanted; from there on where a criterion says so and the level is above 0. An octant carries the facets that meet its
-// cube inflated by `band` cells of its own; its children's are sorted out of these, never searched for (Algorithm 3: *re-sorting*).
+// the band of its own level; its children's are sorted out of these, never searched for (Algorithm 3: *re-sorting*).
 // Octants that no facet concerns are not looked at again. At the end neighbours that block the 2:1 balance are
 // divided, their facets re-sorted as well.
 //
@@ -32,7 +32,7 @@ namespace burnish {
 // What a criterion sees of an octant.
 struct OctantFacets {
   const TriangleSoup& soup;                // in lattice units
-  std::span<const std::uint32_t> facets;   // that meet its cube inflated by the band, ascending; at least one
+  std::span<const std::uint32_t> facets;   // near it (see grow_adaptive), ascending; at least one
   Vec3 corner;                             // lower corner, in lattice units
   int level = 0;                           // at least 1
   int cells_per_side = kBlockSide;
@@ -87,7 +87,9 @@ struct AdaptiveGrowth {
 };
 
 // The coarsest balanced octree in which every octant that meets the surface's band has level `coarsest_level` or less and no
-// criterion divides it. A leaf of level l lists exactly the facets that meet its cube inflated by band * 2^l. A leaf
+// criterion divides it. A leaf of level l that is a block lists the facets within band * 2^l of its nodes, as
+// TriangleNearBox finds them, so `band` is at least 2 for blocks (criteria need the facets that cut its cells); a single cell lists those that meet
+// its cube inflated by as much. A leaf
 // without facets is farther than that from all of them (leaves above the coarsest level: farther than the band of that).
 //
 // `lattice_soup`: in lattice units, within the domain of 2^depth octants of cells_per_side cells. Criteria are asked in the order

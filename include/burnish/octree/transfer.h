@@ -28,8 +28,8 @@ Field<T> transfer_conserved(const Octree& from, const Field<T>& field, const Oct
                             Reconstruction reconstruction = Reconstruction::linear);
 
 // Lists of facets: a leaf that holds old ones gets the union of their lists, one that lies in an old one gets that one's.
-// If every old leaf of level l lists what meets its cube inflated by `band` cells of its own, then a new leaf lists at least what meets
-// its cube inflated by `band` cells of the finest old leaf within it, or of its own if it lies in an old one. That is not all
+// If every old leaf lists what is within `band` of its own cells of its nodes, then a new leaf lists at least what is within
+// `band` cells of the finest old leaf within it of these nodes, or of its own if it lies in an old one. That is not all
 // that a leaf grown on its new level would list: distances from these facets are exact up to `band` *finest* cells.
 SurfaceOctree transfer_facets(const SurfaceOctree& from, Octree to);
 
