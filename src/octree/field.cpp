@@ -49,6 +49,7 @@ std::optional<double> value_within(const Octree& tree, const Field<T>& field, st
     if (low[a] < 0 || low[a] + (t[a] > 0) >= kBlockSide) return std::nullopt;
   }
   const T* values = field.block(leaf);
+  if (!field.stores(leaf)) return values[0];
   const auto v = [&](int i, int j, int k) -> double { return values[node_index(low[0] + i, low[1] + j, low[2] + k)]; };
   const auto along_x = [&](int j, int k) { return t[0] == 0 ? v(0, j, k) : lerp(v(0, j, k), v(1, j, k), t[0]); };
   const auto along_y = [&](int k) { return t[1] == 0 ? along_x(0, k) : lerp(along_x(0, k), along_x(1, k), t[1]); };
@@ -77,10 +78,13 @@ StoredNode next_node(const Octree& tree, std::size_t leaf, std::size_t node, int
   return {other, static_cast<std::uint32_t>(node_index(local[0] >> level, local[1] >> level, local[2] >> level))};
 }
 
+namespace {
+
+// node_value with a leaf to start the search from.
 template <class T>
-double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
+double node_value_near(const Octree& tree, const Field<T>& field, std::uint32_t near, const LatticeNode& node) {
   const LatticeNode inside = clamped(tree, node);
-  const std::uint32_t leaf = tree.find(block_of(inside));
+  const std::uint32_t leaf = tree.find_near(near, block_of(inside));
   const int l = tree.level(leaf);
   const morton::Position c = tree.corner(leaf);
   const std::int32_t mask = (1 << l) - 1;
@@ -91,6 +95,7 @@ double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
   const bool beyond = inside.x != node.x || inside.y != node.y || inside.z != node.z;
   if (beyond || ((local[0] | local[1] | local[2]) & mask) == 0)
     return field.block(leaf)[node_index(local[0] >> l, local[1] >> l, local[2] >> l)];
+  if (const auto quick = value_within(tree, field, leaf, inside)) return *quick;
   std::array<std::array<std::int32_t, 2>, 3> ends{};
   std::array<double, 3> t{};
   const std::array<std::int32_t, 3> at{inside.x, inside.y, inside.z};
@@ -100,8 +105,8 @@ double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
     t[a] = static_cast<double>(rest) / (mask + 1);
   }
   const auto corner_value = [&](int x, int y, int z) {  // [T-HALO-1]
-    return node_value(tree, field, {ends[0][static_cast<std::size_t>(x)], ends[1][static_cast<std::size_t>(y)],
-                                    ends[2][static_cast<std::size_t>(z)]});
+    return node_value_near(tree, field, leaf, {ends[0][static_cast<std::size_t>(x)], ends[1][static_cast<std::size_t>(y)],
+                                               ends[2][static_cast<std::size_t>(z)]});
   };
   const auto along_x = [&](int y, int z) {
     return t[0] == 0 ? corner_value(0, y, z) : lerp(corner_value(0, y, z), corner_value(1, y, z), t[0]);
@@ -110,16 +115,24 @@ double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
   return t[2] == 0 ? along_y(0) : lerp(along_y(0), along_y(1), t[2]);
 }
 
+}  // namespace
+
+template <class T>
+double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {
+  return node_value_near(tree, field, tree.find(block_of(clamped(tree, node))), node);
+}
+
 template <class T>
 double sample(const Octree& tree, const Field<T>& field, double x, double y, double z) {
   const LatticeNode at = clamped(tree, {static_cast<std::int32_t>(std::floor(x)), static_cast<std::int32_t>(std::floor(y)),
                                         static_cast<std::int32_t>(std::floor(z))});
-  const int l = tree.level(tree.find(block_of(at)));
+  const std::uint32_t leaf = tree.find(block_of(at));
+  const int l = tree.level(leaf);
   const std::int32_t size = 1 << l;
   const LatticeNode low{at.x & ~(size - 1), at.y & ~(size - 1), at.z & ~(size - 1)};
   const double tx = (x - low.x) / size, ty = (y - low.y) / size, tz = (z - low.z) / size;
   const auto v = [&](int i, int j, int k) {
-    return node_value(tree, field, {low.x + i * size, low.y + j * size, low.z + k * size});
+    return node_value_near(tree, field, leaf, {low.x + i * size, low.y + j * size, low.z + k * size});
   };
   const auto plane = [&](int k) {
     return lerp(lerp(v(0, 0, k), v(1, 0, k), tx), lerp(v(0, 1, k), v(1, 1, k), tx), ty);
@@ -145,13 +158,13 @@ void gather(const Octree& tree, const Field<T>& field, std::size_t leaf, int wid
                       source + node_index(rx.begin - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz), run);
       continue;
     }
-    const bool coarser = tree.neighbor_kind(leaf, dir) == NeighborKind::coarser;
+    const auto self = static_cast<std::uint32_t>(leaf);
+    const std::uint32_t near = tree.neighbor_kind(leaf, dir) == NeighborKind::coarser ? tree.neighbor(leaf, dir) : self;
     for (int k = rz.begin; k < rz.end; ++k)
       for (int j = ry.begin; j < ry.end; ++j)
         for (int i = rx.begin; i < rx.end; ++i) {
           const LatticeNode node = lattice_node(tree, leaf, i, j, k);
-          const auto quick = coarser ? value_within(tree, field, tree.neighbor(leaf, dir), node) : std::nullopt;
-          at(i, j, k) = static_cast<T>(quick ? *quick : node_value(tree, field, node));
+          at(i, j, k) = static_cast<T>(node_value_near(tree, field, near, node));
         }
   }
 }

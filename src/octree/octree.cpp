@@ -109,6 +109,27 @@ std::uint32_t Octree::find(const Position& p) const {
   return static_cast<std::uint32_t>(it - keys_.begin());
 }
 
+std::uint32_t Octree::find_near(std::uint32_t near, const Position& p) const {
+  const auto holds = [&](std::uint32_t leaf) {
+    const int l = level(leaf);
+    const Position c = corner(leaf);
+    return (p.x ^ c.x) >> l == 0 && (p.y ^ c.y) >> l == 0 && (p.z ^ c.z) >> l == 0;
+  };
+  const Position c = corner(near);
+  const std::uint32_t size = 1u << level(near);
+  const auto side = [&](std::uint32_t x, std::uint32_t low) { return x < low ? -1 : x - low >= size ? 1 : 0; };
+  const int dir = direction(side(p.x, c.x), side(p.y, c.y), side(p.z, c.z));
+  if (dir == kSelf) return near;
+  const NeighborKind kind = neighbor_kind(near, dir);
+  if (kind == NeighborKind::same || kind == NeighborKind::coarser) {
+    const std::uint32_t other = neighbor(near, dir);
+    return holds(other) ? other : find(p);
+  }
+  for (const std::uint32_t other : neighbors(near, dir))
+    if (holds(other)) return other;
+  return find(p);
+}
+
 std::uint64_t Octree::link_of(std::size_t leaf, int dir, std::vector<std::uint32_t>& finer) const {
   const int l = level(leaf);
   const Position p = morton::deinterleave(keys_[leaf] >> (3 * l + 1));

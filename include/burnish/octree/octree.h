@@ -65,6 +65,8 @@ class Octree {
 
   // The leaf that holds the finest block at `p` (which must lie in the domain). One binary search.
   std::uint32_t find(const morton::Position& p) const;
+  // The same, fast if that leaf is `near` or touches it.
+  std::uint32_t find_near(std::uint32_t near, const morton::Position& p) const;
   // The leaf with exactly this key, or kNone.
   std::uint32_t find_key(std::uint64_t key) const;
 
