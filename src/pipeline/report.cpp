@@ -150,19 +150,6 @@ Json json_of(const std::vector<GroupSummary>& groups) {
   return list;
 }
 
-Json json_of(const std::vector<StageCost>& stages) {
-  Json list = Json::array();
-  for (const StageCost& stage : stages) {
-    list.push_back({
-        {"name", stage.name},
-        {"wall_seconds", stage.wall_seconds},
-        {"cpu_seconds", stage.cpu_seconds},
-        {"peak_bytes", stage.peak_bytes},
-    });
-  }
-  return list;
-}
-
 // Errors in model units, as all lengths outside are.
 Json json_of(const ErrorSummary& e, std::size_t nodes, double cell) {
   return {{"nodes", nodes}, {"max", e.max * cell}, {"rms", e.rms * cell}, {"worst_share_of_allowed", e.worst_share}, {"exceeded", e.exceeded}};
