@@ -111,6 +111,11 @@ class CleanCommand : public Command {
         {"--resolution", 0, "N", "Resolution",
          "Cells along the longest side (8 to 100000), instead of --cell.",
          [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
+        {"--adapt", 0, "TOL", "Resolution",
+         "Take coarser cells where the distance is off by no more than TOL, such as 0.1h or 0.01.",
+         [&o](const GivenValue& v) { o.adapt = positive_length(v); }},
+        {"--cell-max", 0, "L", "Resolution", "With --adapt: the coarsest cells, such as 16h or 1%; 8h when not given.",
+         [&o](const GivenValue& v) { o.cell_max = positive_length(v); }},
         {"--smooth", 0, "L", "Smoothing", "Remove waves shorter than L. The volume is kept.",
          [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
         {"--deviation", 0, "T", "Smoothing", "Keep the smoothed surface within T of the repaired one.",
@@ -143,6 +148,7 @@ class CleanCommand : public Command {
     if (job_.options.cell && job_.options.resolution) {
       refuse("--cell and --resolution exclude each other", "give one of the two");
     }
+    if (job_.options.cell_max && !job_.options.adapt) refuse("--cell-max needs --adapt", "for example --adapt 0.1h");
     if (job_.options.keep_openings && job_.options.max_hole) {
       refuse("--keep-openings and --max-hole exclude each other", "give one of the two");
     }
@@ -168,7 +174,7 @@ class CleanCommand : public Command {
   // What only the level set can do, beside --method local.
   void require_local() const {
     const CleanOptions& o = job_.options;
-    const std::string_view clash = o.smooth.value > 0 ? "--smooth" : o.thicken ? "--thicken" : o.cell ? "--cell" : o.resolution ? "--resolution" : "";
+    const std::string_view clash = o.smooth.value > 0 ? "--smooth" : o.thicken ? "--thicken" : o.cell ? "--cell" : o.resolution ? "--resolution" : o.adapt ? "--adapt" : "";
     if (clash.empty()) return;
     throw Error(ErrorCode::usage, fmt::format("{} is a matter of the level set, and --method local excludes it", clash), "leave out one of the two");
   }

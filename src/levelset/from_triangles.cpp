@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "burnish/core/parallel.h"
+#include "burnish/levelset/adapt.h"
 #include "burnish/levelset/crossings.h"
 #include "burnish/levelset/distance.h"
 #include "burnish/levelset/far_field.h"
@@ -141,6 +142,21 @@ void give_signs(const Field<std::uint8_t>& inside, std::size_t leaves, Field<flo
       64);
 }
 
+// An octree that is finest where the criteria ask for it.
+SurfaceOctree grow_graded(const TriangleSoup& lattice_soup, int depth, const LevelSetOptions& options, GrowthStatistics& statistics,
+                          Progress& progress) {
+  auto criteria = criteria_of(options.adaptivity.limits);
+  const int coarsest = std::min(options.adaptivity.limits.coarsest_level, depth);
+  if (options.adaptivity.tolerance)
+    criteria.push_back(distance_error(lattice_soup, {.tolerance = *options.adaptivity.tolerance, .coarsest_level = coarsest, .band = options.band}));
+  std::vector<const RefinementCriterion*> asked;
+  for (const auto& criterion : criteria) asked.push_back(criterion.get());
+  AdaptiveGrowth growth = grow_adaptive(lattice_soup, depth, {kBlockSide, coarsest, options.band}, asked, progress);
+  statistics = std::move(growth.statistics);
+  growth.grid.layout = layout_of(growth.grid.octree.size(), [&](std::size_t leaf) { return growth.grid.near_surface(leaf); });
+  return std::move(growth.grid);
+}
+
 }  // namespace
 
 TriangleSoup to_lattice(const TriangleSoup& soup, const GridFrame& frame) {
@@ -157,7 +173,9 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
   LevelSet& set = result.level_set;
   set.frame = frame;
   set.band = band;
-  set.grid = grow_uniform_band(lattice_soup, frame.depth, band, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
+  set.grid = options.adaptivity.wanted()
+                 ? grow_graded(lattice_soup, frame.depth, options, result.growth, progress)
+                 : grow_uniform_band(lattice_soup, frame.depth, band, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
   DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress, options.far_field || options.keep_nearest ? KeepNearest::yes : KeepNearest::no);
   const InsideField classified = classify(lattice_soup, set.grid, field.distance, result, progress);
   if (result.interior_facets + result.unresolved_facets > 0) {

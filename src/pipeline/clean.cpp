@@ -138,6 +138,10 @@ class Run {
       begin("smoothing");
       smooth_level_set(built.level_set, report_, progress_);
     }
+    if (report_.options.adapt && (report_.options.smooth > 0 || report_.options.thicken)) {
+      begin("coarsening");
+      coarsen_level_set(built.level_set, report_, progress_);
+    }
     extract(output, built.level_set);
     measure(built.roles);
   }

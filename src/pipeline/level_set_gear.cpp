@@ -9,6 +9,7 @@
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 #include "burnish/extract/trim.h"
+#include "burnish/levelset/adapt.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
 #include "burnish/surface/sheet_block.h"
 #include "burnish/surface/triangle_index.h"
@@ -30,7 +31,14 @@ constexpr double kCrumb = 0.25;           // cells: a part of either sign that s
 LevelSetOptions level_set_options(const ResolvedOptions& options) {
   LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
   const double smooth_cells = options.smooth / options.cell;
-  if (smooth_cells <= 0) return set;
+  if (smooth_cells <= 0) {
+    // A shell's level set is coarsened afterwards, as is what has been smoothed.
+    if (options.adapt && !options.thicken) {
+      set.adaptivity.tolerance = *options.adapt / options.cell;
+      set.adaptivity.limits.coarsest_level = options.coarsest_level;
+    }
+    return set;
+  }
   set.room = room_for_smoothing(smooth_cells);
   // A bound on the deviation is held against exact distances.
   const double bound = options.deviation ? *options.deviation / options.cell : 0;
@@ -40,6 +48,7 @@ LevelSetOptions level_set_options(const ResolvedOptions& options) {
 
 void tell_grid(const Octree& tree, RepairReport& report) {
   report.grid.blocks = tree.size();
+  report.grid.finest_blocks = 0;
   report.grid.levels = tree.depth() + 1;
   for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) report.grid.finest_blocks += tree.level(leaf) == 0;
 }
@@ -140,7 +149,9 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
     const std::vector<std::uint32_t>& facets = result.facets;
     TriangleSoup solid{prepared.capped.soup.points, {}, {}};
     for (const std::uint32_t f : facets) solid.facets.push_back(prepared.capped.soup.facets[f]);
-    const GridFrame frame = make_frame(bounding_box(solid), options.cell, reach + kDomainMargin);
+    // Coarse cells that the surface cuts, and their neighbours, have to end before the walls.
+    const double coarse = set.adaptivity.wanted() ? 3.0 * (1 << set.adaptivity.limits.coarsest_level) : 0;
+    const GridFrame frame = make_frame(bounding_box(solid), options.cell, std::max(reach + kDomainMargin, coarse));
     LevelSetFromTriangles built = level_set_from_triangles(solid, frame, set, progress);
     for (std::size_t i = 0; i < facets.size(); ++i) result.roles[facets[i]] = built.roles[i];
     tell_unresolved(built, report);
@@ -155,6 +166,12 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
   tell_grid(result.level_set.octree(), report);
   report.grid.bytes_planned = planned_bytes(prepared.capped.soup, options.cell, reach);
   return result;
+}
+
+void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
+  const ResolvedOptions& options = report.options;
+  level_set = coarsen(level_set, *options.adapt / options.cell, options.coarsest_level, progress);
+  tell_grid(level_set.octree(), report);
 }
 
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {

@@ -29,6 +29,9 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& repor
 // The same with another band, room or far field than smoothing and extraction need.
 BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptions& set, RepairReport& report, Progress& progress);
 
+// Makes an octree with finest blocks only as coarse as report.options.adapt allows; tells report.grid.
+void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
+
 // Smooths as report.options say; tells report.smoothing and report.warnings.
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
 

@@ -179,7 +179,7 @@ std::string reason_against_local(const CleanOptions& options) {
   if (options.method == Method::level_set) return "asked for";
   if (options.smooth.value > 0) return "smoothing was asked for";
   if (options.thicken) return "a thickness was asked for";
-  if (options.method == Method::automatic && (options.cell || options.resolution)) return "a cell was asked for";
+  if (options.method == Method::automatic && (options.cell || options.resolution || options.adapt)) return "a cell was asked for";
   return {};
 }
 

@@ -55,6 +55,8 @@ Json json_of(const ResolvedOptions& o) {
       {"gap", json_of(o.gap)},
       {"max_hole", json_of(o.max_hole)},
       {"thicken", json_of(o.thicken)},
+      {"adapt", json_of(o.adapt)},
+      {"coarsest_level", o.coarsest_level},
       {"memory_bytes", o.memory_bytes},
   };
 }

@@ -27,6 +27,8 @@ constexpr double kLeastHeight = 0.01;          // of a facet over its edge: flat
 constexpr double kCellsPerWave = 12;           // of the smoothing length: what is shorter will be gone
 constexpr double kCoarsestSmoothed = 1.0 / 150;
 constexpr double kMostCells = 1e6;             // of surface: about three million facets
+constexpr double kCellMax = 8;                 // finest cells, of the coarsest at the surface
+constexpr int kMostLevels = 10;
 constexpr double kBytesPerFacet = 250;         // input, index, inspection
 constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
 constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
@@ -114,6 +116,16 @@ double asked_cell(const CleanOptions& asked, const Box3& box) {
   return cell;
 }
 
+void resolve_adaptivity(const CleanOptions& asked, double diagonal, ResolvedOptions& resolved) {
+  if (asked.adapt) resolved.adapt = asked.adapt->in_model_units(diagonal, resolved.cell);
+  const double cell_max = asked.cell_max ? asked.cell_max->in_model_units(diagonal, resolved.cell) : kCellMax * resolved.cell;
+  if (cell_max < resolved.cell * (1 - 1e-9))
+    throw Error(ErrorCode::usage, fmt::format("--cell-max {:.4g} is smaller than the finest cell, {:.4g}", cell_max, resolved.cell),
+                "give a larger one, such as --cell-max 8h");
+  // Cells double from level to level; the last one that is no larger than what was asked for.
+  resolved.coarsest_level = std::min(kMostLevels, static_cast<int>(std::floor(std::log2(cell_max / resolved.cell) + 1e-9)));
+}
+
 }  // namespace
 
 std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double band) {
@@ -161,6 +173,7 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
                 fmt::format("make it thicker, or give the cell: --cell {:.4g}", *resolved.thicken / kCellsAcrossShell));
   resolved.cells_along_longest_side = box.longest_side() / resolved.cell;
   resolved.smooth = asked.smooth.in_model_units(diagonal, resolved.cell);
+  resolve_adaptivity(asked, diagonal, resolved);
   if (asked.deviation) resolved.deviation = asked.deviation->in_model_units(diagonal, resolved.cell);
 }
 

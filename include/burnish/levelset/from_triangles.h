@@ -3,10 +3,12 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "burnish/core/progress.h"
 #include "burnish/levelset/level_set.h"
+#include "burnish/octree/refine.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -27,17 +29,28 @@ struct LevelSetFromTriangles {
   std::size_t unresolved_facets = 0;   // outside on both sides: sheets, or walls thinner than a cell
   double unresolved_area = 0;          // of the latter, in cells squared
   std::vector<FacetRole> roles;        // of every facet
+  GrowthStatistics growth;             // of an adaptive octree: what divided its octants; the error criterion comes last
   Field<std::uint32_t> nearest;        // a facet nearest to each node, if it was asked for; kNoFacet where none was looked for
+};
+
+// How much coarser than the finest cells blocks near the surface may be.
+struct Adaptivity {
+  // What trilinear interpolation may be off, in finest cells (levelset/adapt.h). Without it blocks are divided by the limits only.
+  std::optional<double> tolerance;
+  RefinementLimits limits;  // the thesis' criteria, and the coarsest level; the band is that of the level set
+
+  bool wanted() const { return tolerance || limits.max_face_limit || limits.max_face_cut || limits.refine_tol; }
 };
 
 struct LevelSetOptions {
   double band = 3;        // cells of exact distance on both sides of the surface
   double room = 0;        // cells beyond the band that are finest too, for a surface that will move
+  Adaptivity adaptivity;  // if wanted, room must be 0
   bool far_field = true;  // spread distances to the whole domain; without it |phi| ends at `band`
   bool keep_nearest = false;  // return the nearest facets, 4 bytes a node
 };
 
-// The signed distance to the surface of the solid that the soup bounds: exact where it is at most `band` cells,
+// The signed distance to the surface of the solid that the soup bounds: exact where it is at most `band` cells of the leaf's level,
 // propagated from there to the rest of the domain (levelset/far_field.h) if asked for, positive inside.
 //
 // `soup` is closed as a chain (surface/boundary_caps.h) and in model coordinates. Facets that do not separate

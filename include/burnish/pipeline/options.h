@@ -42,6 +42,10 @@ struct CleanOptions {
   std::optional<Length> cell;
   // Cells along the longest side of the bounding box.
   std::optional<int> resolution;
+  // Blocks of cells are coarser where interpolation between their nodes is off by no more than this; `cell_max` bounds their cells
+  // (8 times the finest when unset). Asks for the level set.
+  std::optional<Length> adapt;
+  std::optional<Length> cell_max;
   // Wavelengths below this length are removed (attenuated tenfold or more). 0: no smoothing.
   Length smooth{};
   // Bound on the distance between the smoothed and the repaired surface. Unset: no bound.
@@ -71,6 +75,8 @@ struct CleanOptions {
 struct ResolvedOptions {
   double cell = 0;               // 0: no level set was built
   double cells_along_longest_side = 0;
+  std::optional<double> adapt;     // error of interpolation that is allowed in coarser cells; unset: all cells are finest
+  int coarsest_level = 0;          // cells at the surface are at most 2^coarsest_level finest cells wide
   double smooth = 0;
   std::optional<double> deviation;
   std::optional<double> gap;
