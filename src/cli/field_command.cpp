@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <optional>
 #include <utility>
 
 #include "burnish/core/error.h"
@@ -79,8 +78,8 @@ class FieldCommand : public Command {
     CellOctreeJob job;
     job.input = job_.input, job.output = job_.output;
     job.salvage = job_.salvage, job.overwrite = job_.overwrite;
-    job.cell = job_.options.cell, job.resolution = job_.options.resolution, job.cell_max = cell_max_;
-    job.limits = limits_;
+    job.cell = job_.options.cell, job.resolution = job_.options.resolution, job.cell_max = job_.options.cell_max;
+    job.limits = job_.limits;
     job.memory_bytes = job_.options.memory_bytes;
     tell(cell_octree(job, console), start, console, true);
     return 0;
@@ -124,15 +123,18 @@ class FieldCommand : public Command {
          of_level_set([this](const GivenValue& v) { job_.band = band(v); })},
         {"--verify-exact", 0, "N", "Checking", "Compare N nodes with exact distances; exit code 1 if one is off by more than is allowed.",
          of_level_set([this](const GivenValue& v) { job_.verify = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); })},
-        {"--cell-octree", 0, "", "Refinement", "Grow an octree whose leaves are cells, by the limits below, and no level set.", switch_on(cell_octree_)},
-        {"--cell-max", 0, "L", "Refinement", "Cells that a facet cuts are no wider than L: a fifth of the longest side when not given.",
-         [this](const GivenValue& v) { cell_max_ = positive_length(v), of_refinement_ = v.name; }},
-        {"--max-face-limit", 0, "N", "Refinement", "Divide cells that hold the centroids of more than N facets.",
-         [this](const GivenValue& v) { limits_.max_face_limit = facets(v); }},
-        {"--max-face-cut", 0, "N", "Refinement", "Divide cells that more than N facets cut.",
-         [this](const GivenValue& v) { limits_.max_face_cut = facets(v); }},
-        {"--refine-tol", 0, "X", "Refinement", "Divide cells wider than X times the shortest edge of the facets that cut them.",
-         [this](const GivenValue& v) { limits_.refine_tol = refine_tol(v); }},
+        {"--cell-octree", 0, "", "Refinement", "Grow an octree whose leaves are cells, not blocks of cells, and no level set.", switch_on(cell_octree_)},
+        {"--adapt", 0, "TOL", "Refinement", "Take coarser cells where the distance is off by no more than TOL, such as 0.1h or 0.01.",
+         of_level_set([&o](const GivenValue& v) { o.adapt = positive_length(v); })},
+        {"--cell-max", 0, "L", "Refinement",
+         "The coarsest cells at the surface, such as 16h or 1%; 8h when not given, with --cell-octree a fifth of the longest side.",
+         [&o](const GivenValue& v) { o.cell_max = positive_length(v); }},
+        {"--max-face-limit", 0, "N", "Refinement", "Divide while a cell holds the centroids of more than N facets.",
+         [this](const GivenValue& v) { job_.limits.max_face_limit = facets(v); }},
+        {"--max-face-cut", 0, "N", "Refinement", "Divide while more than N facets cut a cell.",
+         [this](const GivenValue& v) { job_.limits.max_face_cut = facets(v); }},
+        {"--refine-tol", 0, "X", "Refinement", "Divide while a cell is wider than X times the shortest edge of the facets that cut them.",
+         [this](const GivenValue& v) { job_.limits.refine_tol = refine_tol(v); }},
         {"--nested", 0, "N", "Preparation", "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
          of_level_set([&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); })},
         {"--gap", 0, "L", "Preparation", "Close cracks up to a width of L by joining the points on both sides.",
@@ -156,13 +158,11 @@ class FieldCommand : public Command {
     return cells;
   }
 
-  std::uint32_t facets(const GivenValue& v) {
-    of_refinement_ = v.name;
+  static std::uint32_t facets(const GivenValue& v) {
     return static_cast<std::uint32_t>(integer_within(v, 0, 4'000'000'000));
   }
 
-  double refine_tol(const GivenValue& v) {
-    of_refinement_ = v.name;
+  static double refine_tol(const GivenValue& v) {
     const double tolerance = non_negative_number(v);
     if (!(tolerance > 0)) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number greater than zero", v.name, v.text));
     return tolerance;
@@ -174,8 +174,9 @@ class FieldCommand : public Command {
     if (job_.options.cell && job_.options.resolution) refuse("--cell and --resolution exclude each other", "give one of the two");
     if (cell_octree_ && !of_level_set_.empty())
       refuse(fmt::format("{} is a matter of the level set, and --cell-octree builds none", of_level_set_), "leave one of the two out");
-    if (!cell_octree_ && !of_refinement_.empty())
-      refuse(fmt::format("{} refines an octree of cells, and there is none", of_refinement_), "add --cell-octree");
+    const bool is_adaptive = job_.options.adapt || job_.limits.max_face_limit || job_.limits.max_face_cut || job_.limits.refine_tol;
+    if (job_.options.cell_max && !cell_octree_ && !is_adaptive)
+      refuse("--cell-max needs something that decides where cells are as coarse", "for example --adapt 0.1h, or --cell-octree");
     if (blocks_ && octree_given_ && cells_ != FieldCells::blocks) refuse("--blocks and --octree say different things", "give one of the two");
     job_.cells = blocks_ ? FieldCells::blocks : cells_;
     if (job_.output.empty()) {
@@ -189,9 +190,7 @@ class FieldCommand : public Command {
 
   FieldJob job_;
   FieldCells cells_ = FieldCells::near;
-  RefinementLimits limits_;
-  std::optional<Length> cell_max_;
-  std::string of_level_set_, of_refinement_;  // an option of that sort, if one was given
+  std::string of_level_set_;  // an option of that sort, if one was given
   int threads_ = 0;
   bool cell_octree_ = false;
   bool octree_given_ = false;

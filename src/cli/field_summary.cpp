@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <optional>
 #include <vector>
 
 namespace burnish {
@@ -34,11 +35,12 @@ std::string file_lines(const FieldFile& o) {
   return fmt::format("{}: {}, {:.1f} MB", o.file, size, static_cast<double>(o.bytes) / 1e6);
 }
 
-std::string division_lines(const RefinementLimits& limits, const GrowthStatistics& statistics) {
+std::string division_lines(const RefinementLimits& limits, const GrowthStatistics& statistics, const std::optional<double>& adapt = {}) {
   std::vector<std::string> by;
   if (limits.max_face_limit) by.push_back(fmt::format("max-face-limit {}", *limits.max_face_limit));
   if (limits.max_face_cut) by.push_back(fmt::format("max-face-cut {}", *limits.max_face_cut));
   if (limits.refine_tol) by.push_back(fmt::format("refine-tol {:g}", *limits.refine_tol));
+  if (adapt) by.push_back(fmt::format("adapt {:.4g}", *adapt));
   std::string text;
   for (std::size_t c = 0; c < by.size(); ++c)
     text += line(c == 0 ? "octants divided" : "", fmt::format("{} by {}", statistics.divided_by[c], by[c]));
@@ -54,6 +56,13 @@ std::string summary_of(const FieldResult& r, double seconds) {
   text += line("band", fmt::format("{:g} cells", r.band));
   text += line("blocks", fmt::format("{} of 8 x 8 x 8 cells, {} finest, {} near", r.grid.blocks, r.grid.finest_blocks, r.grid.near_blocks));
   text += line("levels", fmt::format("{}", r.grid.levels));
+  if (r.is_adaptive()) {
+    for (std::size_t l = 0; l < r.grid.by_level.size(); ++l)
+      if (const FieldLevel& level = r.grid.by_level[l]; level.blocks > 0)
+        text += line(fmt::format("  level {}", l), fmt::format("{} blocks, {} near, cells of {:.6g}", level.blocks, level.near_blocks,
+                                                               std::ldexp(r.options.cell, static_cast<int>(l))));
+    text += division_lines(r.limits, r.growth, r.options.adapt);
+  }
   text += line("nodes", fmt::format("{}", r.grid.nodes));
   text += line("memory", fmt::format("{:.1f} MB", static_cast<double>(r.grid.bytes) / 1e6));
   text += line("regions", fmt::format("{}, {} of them ambiguous", r.regions, r.ambiguous_regions));

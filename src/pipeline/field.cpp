@@ -57,7 +57,12 @@ class FieldRun {
     begin("distances and signs");
     if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
     resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings, job_.band);
-    const LevelSetOptions set{.band = job_.band, .room = 0, .far_field = true, .keep_nearest = !job_.output.empty()};
+    LevelSetOptions set{.band = job_.band, .room = 0, .adaptivity = {}, .far_field = true, .keep_nearest = output_.is_wanted()};
+    const ResolvedOptions& options = report_.options;
+    set.adaptivity.limits = job_.limits;
+    set.adaptivity.limits.coarsest_level = options.coarsest_level;
+    if (options.adapt) set.adaptivity.tolerance = *options.adapt / options.cell;
+    result_.limits = set.adaptivity.limits;
     built_ = build_level_set(prepared_, set, report_, progress_);
   }
 
@@ -71,10 +76,17 @@ class FieldRun {
     grid.bytes_planned = report_.grid.bytes_planned;
     grid.nodes = set.phi.values().size();
     grid.bytes = set.grid.bytes() + set.phi.bytes();
-    for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) grid.near_blocks += set.grid.near_surface(leaf);
+    grid.by_level.resize(static_cast<std::size_t>(set.octree().depth()) + 1);
+    for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
+      FieldLevel& level = grid.by_level[static_cast<std::size_t>(set.octree().level(leaf))];
+      ++level.blocks;
+      level.near_blocks += set.grid.near_surface(leaf);
+      grid.near_blocks += set.grid.near_surface(leaf);
+    }
     result_.volume = {report_.before.volume, signed_volume(prepared_.capped.soup), enclosed_volume(set) * cubed(set.frame.cell)};
     result_.facets = built_.facets.size();
     result_.regions = built_.regions;
+    result_.growth = built_.growth;
   }
 
   void verify() {

@@ -29,7 +29,7 @@ constexpr double kCrumb = 0.25;           // cells: a part of either sign that s
 
 // Smoothing and extraction look no farther than the band, so the far field is left out.
 LevelSetOptions level_set_options(const ResolvedOptions& options) {
-  LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
+  LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .adaptivity = {}, .far_field = false};
   const double smooth_cells = options.smooth / options.cell;
   if (smooth_cells <= 0) {
     // A shell's level set is coarsened afterwards, as is what has been smoothed.
@@ -156,6 +156,7 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
     for (std::size_t i = 0; i < facets.size(); ++i) result.roles[facets[i]] = built.roles[i];
     tell_unresolved(built, report);
     result.regions = built.regions;
+    result.growth = std::move(built.growth);
     result.nearest = std::move(built.nearest);
     parallel_for(result.nearest.values().size(), [&](std::size_t n) {
       std::uint32_t& facet = result.nearest.values()[n];

@@ -25,7 +25,7 @@ struct Built {
 
 Built build(const TriangleSoup& soup, double cell, double band, bool far_field = true) {
   const GridFrame frame = make_frame(bounding_box(soup), cell, band + 9);
-  return {to_lattice(soup, frame), level_set_from_triangles(soup, frame, {.band = band, .room = 0, .far_field = far_field})};
+  return {to_lattice(soup, frame), level_set_from_triangles(soup, frame, {.band = band, .room = 0, .adaptivity = {}, .far_field = far_field})};
 }
 
 TEST(CheckDistances, OfAClosedSurfaceAreExact) {
