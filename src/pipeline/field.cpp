@@ -57,7 +57,7 @@ class FieldRun {
     begin("distances and signs");
     if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
     resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings, job_.band);
-    LevelSetOptions set{.band = job_.band, .room = 0, .adaptivity = {}, .far_field = true, .keep_nearest = output_.is_wanted()};
+    LevelSetOptions set{.band = job_.band, .room = 0, .far_field = true, .keep_nearest = output_.is_wanted()};
     const ResolvedOptions& options = report_.options;
     set.adaptivity.limits = job_.limits;
     set.adaptivity.limits.coarsest_level = options.coarsest_level;

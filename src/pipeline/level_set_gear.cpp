@@ -29,7 +29,7 @@ constexpr double kCrumb = 0.25;           // cells: a part of either sign that s
 
 // Smoothing and extraction look no farther than the band, so the far field is left out.
 LevelSetOptions level_set_options(const ResolvedOptions& options) {
-  LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .adaptivity = {}, .far_field = false};
+  LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
   const double smooth_cells = options.smooth / options.cell;
   if (smooth_cells <= 0) {
     // A shell's level set is coarsened afterwards, as is what has been smoothed.

@@ -48,7 +48,7 @@ Band by_stages(const BandRequest& request, const TriangleSoup& soup, const GridF
 
 Band at_once(const BandRequest& request, const TriangleSoup& soup, const GridFrame& frame, StageClock& clock) {
   clock.begin("band");
-  LevelSet set = level_set_from_triangles(soup, frame, {.band = request.band, .room = 0, .adaptivity = {}, .far_field = false}).level_set;
+  LevelSet set = level_set_from_triangles(soup, frame, {.band = request.band, .room = 0, .far_field = false}).level_set;
   clock.end();
   return {std::move(set.grid), std::move(set.phi)};
 }

@@ -259,7 +259,28 @@ FIELD = [
     Case("field cube.stl -o f.vtu --cell 0.0001", 6, NOTHING, r"burnish: .*\n  hint: "),
     Case("field cube.stl -o f.vtu --octree cells --resolution 64 --memory 90M", 6, NOTHING, r"cells takes about .*\n  hint: .*--blocks"),
     Case("field missing.stl", 3, NOTHING, r"burnish: missing\.stl: "),
+    Case(f"field cube.stl --adapt 0.1h --verify-exact 400 {QUICK}", 0, r"^  level 0 +\d+ blocks, \d+ near, cells of 0\.0416667\n(.|\n)*"
+         r"^octants divided +\d+ by adapt 0\.004167\n +\d+ for the balance alone\n(.|\n)*^nodes compared +3\d\d"),
+    Case(f"field cube.stl --adapt 0.01 --cell-max 2h --refine-tol 8 {QUICK}", 0, r"^octants divided +\d+ by refine-tol 8\n +\d+ by adapt 0\.01\n"),
+    Case(f"field cube.stl --max-face-limit 1 --cell-max 0.2 -o f.vtu -q {QUICK}", 0, NOTHING, NOTHING, makes=["f.vtu"]),
+    Case("field cube.stl --cell-octree", 0, r"\Acube\.stl \(binary STL\)\n\nfacets +12\ncell +0\.00625 to 0\.2, 160 along the longest side\n"
+         r"cells +(\d+), \d+ cut by facets\n(.|\n)*^octants divided +\d+ by max-face-limit 3\n +\d+ by refine-tol 2\n +\d+ for the balance alone\n(.|\n)*"
+         r"^nothing was written"),
+    Case(f"field triangle.stl --cell-octree -o f.vtu --max-face-cut 0 --cell-max 4h {QUICK}", 0, r"^cell .* to 0\.1\d*, 24 along(.|\n)*^f\.vtu: \d+ cells, ",
+         makes=["f.vtu"]),
+    Case("field hole.stl --cell-octree -o f.htg -q --refine-tol 0.5 --cell 0.05", 0, NOTHING, NOTHING, makes=["f.htg"]),
+    Case("field - --cell-octree --json -q", 0, r'"max_face_cut": null', NOTHING, stdin=CUBE),
+    Case("field cut.stl --cell-octree", 3, NOTHING, r"burnish: cut\.stl: .*\n  hint: .*--salvage"),
+    Case("field cube.stl --cell-octree --cell 0.0000001", 6, NOTHING, r"burnish: .*\n  hint: "),
+    Case("field cube.stl --cell-octree -o f.htg --memory 1k", 6, NOTHING, r"f\.htg: writing \d+ cells takes .*\n  hint: "),
+    Case("field cube.stl --cell-octree --cell 0.1 --cell-max 0.01", 2, NOTHING, r"--cell-max is 0\.01, less than the finest cell's 0\.1\n  hint: "),
     usage("field", r"IN is missing"),
+    usage("field cube.stl --cell-max 8h", r"--cell-max needs something that .*\n  hint: .*--adapt 0\.1h, or --cell-octree"),
+    usage("field cube.stl --adapt 0", r"--adapt 0: a length must be greater than zero"),
+    usage("field cube.stl --refine-tol 0", r"--refine-tol 0: expected a number greater than zero"),
+    usage("field cube.stl --max-face-limit -1", r"--max-face-limit -1: expected a whole number from 0"),
+    *(usage(f"field cube.stl --cell-octree {option}", fr"{option.split()[0]} is a matter of the level set")
+      for option in ("--adapt 0.1h", "--verify-exact 9", "--band 4", "--octree near", "--blocks", "--nested solid", "--gap 1", "--max-hole 1")),
     usage("field cube.stl -o f.vtk", r"f\.vtk: the suffix does not say.*\n  hint: use \.vtu .*\.htg"),
     usage("field cube.stl -o -", r"-: the suffix does not say"),
     usage("field f.vtu -o ./f.vtu --overwrite", r"\./f\.vtu: -o names the input"),
