@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <optional>
 
 #include "burnish/pipeline/field.h"
@@ -254,7 +253,7 @@ std::string to_json(const FieldResult& r) {
   const auto or_null = [&](Json part) { return r.failure ? Json() : part; };
   Json by_level = Json::array(), divided;
   for (std::size_t l = 0; l < g.by_level.size(); ++l)
-    by_level.push_back({{"level", l}, {"side", std::ldexp(r.options.cell, static_cast<int>(l))}, {"blocks", g.by_level[l].blocks}, {"near_blocks", g.by_level[l].near_blocks}});
+    by_level.push_back({{"level", l}, {"blocks", g.by_level[l].blocks}, {"near_blocks", g.by_level[l].near_blocks}});
   if (r.is_adaptive()) {
     divided = divisions_of(r.limits, r.growth);
     divided["adapt"] = r.options.adapt ? Json(r.growth.divided_by.back()) : Json();
