@@ -176,10 +176,12 @@ BURNISH_INLINE double distance_to_range(double x, double low, double high) { ret
 
 // Where an item is to be scattered to: its triangle is prepared when the first row wants it.
 template <class Triangle>
-BURNISH_INLINE void scatter_item(const ScatterItem& item, double limit, const NodeRows nodes) {
+BURNISH_INLINE void scatter_item(const ScatterItem& item, double reach, double limit, const NodeRows nodes) {
   bool prepared = false;
   alignas(64) unsigned char memory[sizeof(Triangle)];
   auto* triangle = reinterpret_cast<Triangle*>(memory);
+  const int first_layer = static_cast<int>(std::max(item.low.z - reach, 0.0));
+  const int last_layer = static_cast<int>(std::min(item.high.z + reach, nodes.depth - 1.0));
   for (int r = 0; r < nodes.rows; ++r) {
     const double dx = std::max({item.low.x - (kBlockSide * r + kBlockSide - 1), kBlockSide * r - item.high.x, 0.0});
     if (dx * dx >= limit) continue;
@@ -187,7 +189,7 @@ BURNISH_INLINE void scatter_item(const ScatterItem& item, double limit, const No
       const Row y = Row{0, 1, 2, 3, 4, 5, 6, 7} + static_cast<double>(first);
       const Row dy = larger(larger(item.low.y - y, y - item.high.y), Row{});
       const Row dxy2 = dy * dy + dx * dx;
-      for (int k = 0; k < nodes.depth; ++k) {
+      for (int k = first_layer; k <= last_layer; ++k) {
         const double dz = distance_to_range(k, item.low.z, item.high.z);
         const Row bound = dxy2 + dz * dz;  // of the squared distances of whole rows [T-DIST-3]
         const Row most = smaller(load(nodes.row_max + nodes.row_index(r, first, k)), row_of(limit));
@@ -212,9 +214,9 @@ void scatter(const ScatterItem* items, std::size_t count, double reach, NodeRows
   const double limit = std::nextafter(reach * reach, 1e300);
   for (std::size_t i = 0; i < count; ++i)
     if (is_well_shaped(items[i].corners))
-      scatter_item<WellShaped>(items[i], limit, nodes);
+      scatter_item<WellShaped>(items[i], reach, limit, nodes);
     else
-      scatter_item<AnyShape>(items[i], limit, nodes);
+      scatter_item<AnyShape>(items[i], reach, limit, nodes);
 }
 
 BURNISH_DISPATCH

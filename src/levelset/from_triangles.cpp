@@ -10,7 +10,6 @@
 #include "burnish/levelset/distance.h"
 #include "burnish/levelset/far_field.h"
 #include "burnish/levelset/sign.h"
-#include "burnish/surface/triangle_index.h"
 
 namespace burnish {
 namespace {
@@ -120,7 +119,7 @@ void recompute_without(const TriangleSoup& lattice_soup, const SurfaceOctree& gr
 InsideField classify(const TriangleSoup& lattice_soup, const SurfaceOctree& grid, const Field<float>& distance,
                      LevelSetFromTriangles& result, Progress& progress) {
   const Field<std::uint8_t> crossed = crossed_edges(lattice_soup, grid, progress);
-  InsideField classified = classify_nodes(grid, distance, crossed, TriangleIndex(lattice_soup), progress);
+  InsideField classified = classify_nodes(grid, distance, crossed, lattice_soup, progress);
   result.regions = classified.regions;
   result.ambiguous_regions = classified.ambiguous_regions;
   result.winding_evaluations = classified.evaluations;

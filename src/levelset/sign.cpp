@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "burnish/core/parallel.h"
+#include "burnish/surface/triangle_index.h"
+#include "burnish/surface/winding.h"
 #include "pieces.h"
 
 namespace burnish {
@@ -92,15 +95,26 @@ std::size_t decide_leaking_piece(const SurfaceOctree& grid, const Field<float>& 
   return probes.size() + nodes.size();
 }
 
+// The winding number at the samples: whole numbers about a closed chain, else from the index, which is made for it.
+std::vector<double> winding_at(const std::vector<Vec3>& points, const TriangleSoup& soup, std::optional<TriangleIndex>& triangles) {
+  if (is_closed_chain(soup)) {
+    const std::vector<std::int32_t> winding = winding_numbers(soup, points);
+    return {winding.begin(), winding.end()};
+  }
+  triangles.emplace(soup);
+  std::vector<double> winding(points.size());
+  parallel_for(
+      points.size(), [&](std::size_t i) { winding[i] = triangles->winding_number(points[i]); }, 64);
+  return winding;
+}
+
 // One verdict per region, from samples of the winding number.
 std::vector<Verdict> judge_regions(const SurfaceOctree& grid, const Field<float>& distance, const Pieces& pieces,
-                                   const TriangleIndex& triangles, InsideField& result) {
+                                   const TriangleSoup& soup, std::optional<TriangleIndex>& triangles, InsideField& result) {
   const std::vector<Sample> samples = choose_samples(grid, distance, pieces);
-  std::vector<double> winding(samples.size());
-  parallel_for(
-      samples.size(),
-      [&](std::size_t i) { winding[i] = triangles.winding_number(position(grid.octree, samples[i].leaf, samples[i].node)); },
-      64);
+  std::vector<Vec3> points(samples.size());
+  parallel_for(points.size(), [&](std::size_t i) { points[i] = position(grid.octree, samples[i].leaf, samples[i].node); });
+  const std::vector<double> winding = winding_at(points, soup, triangles);
   result.evaluations += samples.size();
   std::vector<Verdict> verdicts(pieces.regions);
   for (std::size_t i = 0; i < samples.size(); ++i) verdicts[samples[i].region].add(winding[i]);
@@ -110,13 +124,15 @@ std::vector<Verdict> judge_regions(const SurfaceOctree& grid, const Field<float>
 }  // namespace
 
 InsideField classify_nodes(const SurfaceOctree& grid, const Field<float>& distance, const Field<std::uint8_t>& crossed,
-                           const TriangleIndex& triangles, Progress& progress) {
+                           const TriangleSoup& lattice_soup, Progress& progress) {
   const Octree& tree = grid.octree;
   const Pieces pieces = detail::find_pieces(grid, crossed, progress);
   InsideField result;
   result.regions = pieces.regions;
-  const std::vector<Verdict> verdicts = judge_regions(grid, distance, pieces, triangles, result);
+  std::optional<TriangleIndex> triangles;
+  const std::vector<Verdict> verdicts = judge_regions(grid, distance, pieces, lattice_soup, triangles, result);
   for (const Verdict& v : verdicts) result.ambiguous_regions += !v.clear();
+  if (result.ambiguous_regions > 0 && !triangles) triangles.emplace(lattice_soup);
 
   result.inside = Field<std::uint8_t>::like(crossed, 0, 1);
   // A region that leaks may be decided node by node far from the surface too.
@@ -129,7 +145,7 @@ InsideField classify_nodes(const SurfaceOctree& grid, const Field<float>& distan
         for (std::uint32_t local = 0; local < pieces.count(leaf); ++local) {
           const Verdict& verdict = verdicts[pieces.region[pieces.first[leaf] + local]];
           if (!verdict.clear()) {
-            evaluations[leaf] += decide_leaking_piece(grid, distance, pieces, leaf, local, triangles, result.inside.block(leaf));
+            evaluations[leaf] += decide_leaking_piece(grid, distance, pieces, leaf, local, *triangles, result.inside.block(leaf));
           } else if (!verdict.inside()) {
             continue;
           } else if (!result.inside.stores(leaf)) {

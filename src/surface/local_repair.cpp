@@ -11,6 +11,7 @@
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/solid_union.h"
 #include "burnish/surface/weld.h"
+#include "burnish/surface/winding.h"
 #include "mend_mesh.h"
 #include "point_table.h"
 
@@ -73,17 +74,6 @@ PointTable points_of(const TriangleSoup& soup) {
   PointTable table(soup.points.size());
   for (const Vec3& p : soup.points) table.insert(p);
   return table;
-}
-
-// Whether every edge is run as often one way as the other: winding numbers are integers then.
-bool is_closed_chain(const TriangleSoup& soup) {
-  const EdgeTable table(soup);
-  for (std::size_t e = 0; e < table.size(); ++e) {
-    int net = 0;
-    for (const EdgeUse& use : table.uses(e)) net += use.forward ? 1 : -1;
-    if (net != 0) return false;
-  }
-  return true;
 }
 
 bool has_non_manifold_edges(const TriangleSoup& soup) {

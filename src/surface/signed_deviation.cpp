@@ -3,8 +3,8 @@
 #include <cmath>
 
 #include "burnish/core/parallel.h"
-#include "burnish/surface/edge_table.h"
 #include "burnish/surface/triangle_index.h"
+#include "burnish/surface/winding.h"
 
 namespace burnish {
 namespace {
@@ -35,29 +35,20 @@ bool is_behind_closest_facet(const Vec3& p, const ClosestPoint& closest, const T
 
 }  // namespace
 
-bool is_closed_chain(const TriangleSoup& welded) {
-  const EdgeTable table(welded);
-  for (std::size_t e = 0; e < table.size(); ++e) {
-    int net = 0;
-    for (const EdgeUse& use : table.uses(e)) net += use.forward ? 1 : -1;
-    if (net != 0) return false;
-  }
-  return !welded.facets.empty();
-}
-
 SideRule side_rule(const TriangleSoup& welded) {
   return is_closed_chain(welded) ? SideRule::winding_number : SideRule::closest_facet;
 }
 
 std::vector<double> signed_deviation(const std::vector<Vec3>& points, const TriangleSoup& to, const TriangleIndex& index,
                                      const ClosestQuery& closest, SideRule rule) {
+  const bool by_winding = rule == SideRule::winding_number;
+  const std::vector<std::int32_t> winding = by_winding ? winding_numbers(to, points) : std::vector<std::int32_t>{};
   std::vector<double> deviation(points.size());
   parallel_for(points.size(), [&](std::size_t i) {
     const ClosestPoint found = closest(points[i]);
     deviation[i] = std::sqrt(found.squared_distance);
     if (found.facet == kNoFacet || deviation[i] == 0) return;
-    const bool inside = rule == SideRule::winding_number ? std::abs(index.winding_number(points[i])) > 0.5
-                                                         : is_behind_closest_facet(points[i], found, to, index);
+    const bool inside = by_winding ? winding[i] != 0 : is_behind_closest_facet(points[i], found, to, index);
     if (inside) deviation[i] = -deviation[i];
   }, kGrain);
   return deviation;

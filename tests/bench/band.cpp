@@ -33,12 +33,10 @@ Band by_stages(const BandRequest& request, const TriangleSoup& soup, const GridF
   clock.begin("distances");
   DistanceField field = exact_distances(lattice, grid, request.band, {}, no_progress(), KeepNearest::no);
   if (request.is_signed) {
-    clock.begin("index");
-    const TriangleIndex triangles(lattice);
     clock.begin("crossings");
     const Field<std::uint8_t> crossed = crossed_edges(lattice, grid);
     clock.begin("classify");
-    const InsideField classified = classify_nodes(grid, field.distance, crossed, triangles);
+    const InsideField classified = classify_nodes(grid, field.distance, crossed, lattice);
     clock.begin("sides");
     facet_sides(lattice, grid, classified.inside, facets_across_idle_edges(lattice, grid, crossed, classified.inside));
   }

@@ -56,10 +56,9 @@ void exact_distances(benchmark::State& state) {
 BENCHMARK(exact_distances)->Apply(in_cpu_time);
 
 void classify(benchmark::State& state) {
-  const TriangleIndex triangles(lattice_knot());
   const Field<float> distance = burnish::exact_distances(lattice_knot(), grid(), kBand).distance;
   for (auto _ : state)
-    benchmark::DoNotOptimize(classify_nodes(grid(), distance, crossed_edges(lattice_knot(), grid()), triangles));
+    benchmark::DoNotOptimize(classify_nodes(grid(), distance, crossed_edges(lattice_knot(), grid()), lattice_knot()));
   count_nodes(state, grid());
 }
 BENCHMARK(classify)->Apply(in_cpu_time);

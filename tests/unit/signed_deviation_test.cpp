@@ -1,4 +1,5 @@
 #include "burnish/surface/signed_deviation.h"
+#include "burnish/surface/winding.h"
 
 #include <gtest/gtest.h>
 

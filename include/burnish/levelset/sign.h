@@ -14,7 +14,7 @@
 #include "burnish/core/progress.h"
 #include "burnish/octree/field.h"
 #include "burnish/octree/grow.h"
-#include "burnish/surface/triangle_index.h"
+#include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
 
@@ -25,10 +25,10 @@ struct InsideField {
   std::size_t evaluations = 0;        // of the winding number
 };
 
-// `triangles` indexes the facets of the capped soup in lattice coordinates; `distance` and `crossed` are fields over `grid`.
-// Same result for any number of threads.
+// `lattice_soup`: the capped soup in lattice coordinates; `distance` and `crossed` are fields over `grid`. A soup that is a closed chain
+// of shared points (surface/winding.h) is judged by whole winding numbers, any other by fast ones from a TriangleIndex. Same result for any number of threads.
 InsideField classify_nodes(const SurfaceOctree& grid, const Field<float>& distance,
-                           const Field<std::uint8_t>& crossed, const TriangleIndex& triangles,
+                           const Field<std::uint8_t>& crossed, const TriangleSoup& lattice_soup,
                            Progress& progress = no_progress());
 
 }  // namespace burnish
