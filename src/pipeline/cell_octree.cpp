@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -14,15 +15,48 @@
 namespace burnish {
 namespace {
 
+constexpr int kBlockLevels = 3;            // a frame counts blocks of 2^3 cells a side
 constexpr int kResolution = 160;           // cells along the longest side
 constexpr double kCoarsest = 1.0 / 5;      // of the longest side
 constexpr std::uint32_t kFaceLimit = 3;
 constexpr double kRefineTol = 2;
+constexpr std::uint64_t kBytesPerDivision = 3000;  // octree and lists, of the octants that one makes and the balance around them
 constexpr double kRounding = 1e-9;         // of a level: quotients of lengths that are powers of two
 
 // The level of the widest cells of at most `widest`.
 int coarsest_level(double widest, double cell) {
   return static_cast<int>(std::floor(std::log2(widest / cell) + kRounding));
+}
+
+// Divides as `criterion` does, and ends the run when the octants of all of them become more than memory holds. Their number, and so
+// whether it ends, does not depend on threads.
+class WithinMemory : public RefinementCriterion {
+ public:
+  WithinMemory(const RefinementCriterion& criterion, std::atomic<std::uint64_t>& divided, std::uint64_t most)
+      : criterion_(criterion), divided_(divided), most_(most) {}
+  std::string_view name() const override { return criterion_.name(); }
+  bool divides(const OctantFacets& octant) const override {
+    if (!criterion_.divides(octant)) return false;
+    if (divided_.fetch_add(1, std::memory_order_relaxed) >= most_)
+      throw Error(ErrorCode::memory_limit, fmt::format("the octree would have more than {} cells, too many for the memory budget", 7 * most_),
+                  "choose a larger --cell or limits that divide less, or raise --memory");
+    return true;
+  }
+
+ private:
+  const RefinementCriterion& criterion_;
+  std::atomic<std::uint64_t>& divided_;
+  std::uint64_t most_;
+};
+
+AdaptiveGrowth grow_within(std::uint64_t memory_bytes, const TriangleSoup& lattice_soup, int depth, const RefinementLimits& limits, Progress& progress) {
+  std::atomic<std::uint64_t> divided = 0;
+  const auto criteria = criteria_of(limits);
+  std::vector<WithinMemory> bounded;
+  for (const auto& criterion : criteria) bounded.emplace_back(*criterion, divided, memory_bytes / kBytesPerDivision);
+  std::vector<const RefinementCriterion*> asked;
+  for (const WithinMemory& criterion : bounded) asked.push_back(&criterion);
+  return grow_adaptive(lattice_soup, depth, {.cells_per_side = 1, .coarsest_level = limits.coarsest_level, .band = 0}, asked, progress);
 }
 
 // Facets by the leaf that holds their centroid.
@@ -76,7 +110,8 @@ class CellOctreeRun {
     read();
     resolve();
     begin("growing");
-    AdaptiveGrowth grown = grow_cells_counted(soup_, frame_, result_.limits, progress_);
+    soup_ = to_lattice(soup_, frame_);
+    AdaptiveGrowth grown = grow_within(job_.memory_bytes, soup_, frame_.depth + kBlockLevels, result_.limits, progress_);
     result_.bytes = grown.grid.bytes();
     result_.statistics = std::move(grown.statistics);
     if (output_.is_wanted()) write(grown.grid);
@@ -119,6 +154,10 @@ class CellOctreeRun {
       throw Error(ErrorCode::usage, fmt::format("--cell-max is {:.4g}, less than the finest cell's {:.4g}", widest, result_.cell),
                   "give a larger --cell-max, or a smaller --cell");
     frame_ = make_frame(box, result_.cell, 0);
+    if (frame_.depth + kBlockLevels > morton::kMaxDepth)
+      throw Error(ErrorCode::memory_limit,
+                  fmt::format("an octree of cells can have {} along a side; with a cell of {:.4g} it needs more", 1 << morton::kMaxDepth, result_.cell),
+                  "choose a larger --cell");
     // No cell is wider than the domain.
     result_.limits.coarsest_level = std::clamp(level, 0, morton::kMaxDepth);
     result_.cell_max = std::ldexp(result_.cell, result_.limits.coarsest_level);
@@ -126,7 +165,7 @@ class CellOctreeRun {
 
   void write(const SurfaceOctree& grid) {
     begin("sorting facets");
-    const std::vector<std::uint32_t> sorted = facets_in(to_lattice(soup_, frame_), grid.octree);
+    const std::vector<std::uint32_t> sorted = facets_in(soup_, grid.octree);
     const std::size_t cells = grid.octree.size();
     output_.require_memory(cells, result_.bytes + sorted.size() * sizeof(std::uint32_t), job_.memory_bytes,
                            "choose a larger --cell or limits that divide less, or raise --memory");
@@ -138,7 +177,7 @@ class CellOctreeRun {
   Progress& progress_;
   FieldOutput output_;
   StageClock clock_;
-  TriangleSoup soup_;  // welded, otherwise as read
+  TriangleSoup soup_;  // welded, otherwise as read; from the growth on in lattice units
   GridFrame frame_;
   CellOctreeResult result_;
 };

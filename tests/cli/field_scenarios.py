@@ -182,10 +182,10 @@ def render_octree_draws_a_section(box):
 
 @scenario("field")
 def fields_do_not_depend_on_threads(box):
-    for suffix in ("vtu", "htg"):
+    for suffix, options in (("vtu", []), ("htg", []), ("vtu", ["--adapt", "0.1h"]), ("htg", ["--cell-octree"])):
         for threads in "12":
-            box.succeed(["field", "crossing.stl", "-q", "-o", f"{threads}.{suffix}", "--threads", threads, *QUICK])
-        expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs")
+            box.succeed(["field", "crossing.stl", "-q", "-o", f"{threads}.{suffix}", "--overwrite", "--threads", threads, *QUICK, *options])
+        expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs, {options}")
 
 
 @scenario("field")

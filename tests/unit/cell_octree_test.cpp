@@ -107,8 +107,15 @@ TEST(CellOctree, RefusesWhatMakesNoSense) {
   EXPECT_EQ(code_of(job), ErrorCode::memory_limit);
   job.cell.reset();
   job.output = folder.path("f.htg");
-  job.memory_bytes = 1000;
+  job.memory_bytes = 200'000;
+  EXPECT_EQ(code_of(job), ErrorCode::memory_limit) << "writing";
+  job.output.clear();
+  EXPECT_EQ(code_of(job), ErrorCode::bug) << "growing alone takes less";
+  job.limits.max_face_cut = 0;  // down to the finest cells, everywhere
+  job.resolution = 4000;
   EXPECT_EQ(code_of(job), ErrorCode::memory_limit);
+  job.limits = {};
+  job.resolution.reset();
   job.output.clear();
   job.input = folder.write("point.stl", TriangleSoup{{{1, 1, 1}, {1, 1, 1}, {1, 1, 1}}, {{0, 1, 2}}, {}});
   EXPECT_EQ(code_of(job), ErrorCode::guarantee_unmet);

@@ -23,7 +23,8 @@ struct CellOctreeJob {
   std::optional<int> resolution;   // cells along the longest side, 160 when neither is set
   std::optional<Length> cell_max;  // of cells that a facet cuts; a fifth of the longest side when not set
   RefinementLimits limits;         // `coarsest_level` follows from `cell_max`; max_face_limit 3 and refine_tol 2 where no criterion is set
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;  // for writing
+  // What it may grow to: ended when 3000 bytes for each octant that was divided are more.
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   bool salvage = false;            // take what a broken input file holds
   bool overwrite = false;          // an existing output may be replaced
 };
@@ -51,8 +52,8 @@ struct CellOctreeResult {
 // a .htg that hold cells have -1 there.
 //
 // Throws Error: usage for an output of another suffix or a `cell_max` below the cell; guarantee_unmet for a model without
-// extent; unreadable input, unwritable output; memory_limit for more than 2^20 cells along a side, or more cells than can be written
-// within `memory_bytes`; interrupted.
+// extent; unreadable input, unwritable output; memory_limit for more than 2^20 cells along a side, or more cells than
+// `memory_bytes` hold, or than can be written within it; interrupted.
 CellOctreeResult cell_octree(const CellOctreeJob& job, Progress& progress = no_progress());
 
 // The result as JSON text, as docs/cell_octree.schema.json says.
