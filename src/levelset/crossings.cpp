@@ -24,16 +24,15 @@ NodeRange columns(double low, double high) {
 // One facet seen along one axis of a block; coordinates relative to the block's corner. [T-SIGN-1]
 class AxisView {
  public:
-  AxisView(const std::array<Vec3, 3>& v, int axis) : v_(v), axis_(axis), u_((axis + 1) % 3), w_((axis + 2) % 3) {
-    normal_ = cross(v[1] - v[0], v[2] - v[0]);
+  AxisView(const std::array<Vec3, 3>& v, const Vec3& normal, double extent, int axis)
+      : v_(v), axis_(axis), u_((axis + 1) % 3), w_((axis + 2) % 3), normal_(normal) {
     side_ = normal_[axis] > 0 ? 1 : -1;
-    double longest = 0, extent = 0;
+    double longest = 0;
     for (std::size_t i = 0; i < 3; ++i) {
       const Vec3 e = v[(i + 1) % 3] - v[i];
       const double length = std::abs(e[u_]) + std::abs(e[w_]);  // in the sum norm
       slack_[i] = kTouching * length;
       longest = std::max(longest, length);
-      extent = std::max({extent, std::abs(v[i].x), std::abs(v[i].y), std::abs(v[i].z)});
     }
     // Seen along the axis a sliver no wider than the tolerance: it has no depth of its own, all of it counts.
     edge_on_ = std::abs(normal_[axis]) <= kTouching * longest;
@@ -61,8 +60,6 @@ class AxisView {
 
   double low_(int axis) const { return std::min({v_[0][axis], v_[1][axis], v_[2][axis]}); }
   double high_(int axis) const { return std::max({v_[0][axis], v_[1][axis], v_[2][axis]}); }
-  int u() const { return u_; }
-  int w() const { return w_; }
 
  private:
   bool covers(int i, int j) const {
@@ -96,15 +93,20 @@ void for_each_crossing(const TriangleSoup& soup, const SurfaceOctree& grid, std:
   const Vec3 low = min(min(v[0], v[1]), v[2]), high = max(max(v[0], v[1]), v[2]);
   for (int a = 0; a < 3; ++a)
     if (low[a] > kBlockSide + kTouching || high[a] < -kTouching) return;
+  const Vec3 normal = cross(v[1] - v[0], v[2] - v[0]), reach = max(high, low * -1.0);
+  const double extent = std::max({reach.x, reach.y, reach.z});
+  const std::array<NodeRange, 3> range{columns(low.x, high.x), columns(low.y, high.y), columns(low.z, high.z)};
   for (int axis = 0; axis < 3; ++axis) {
-    const AxisView view(v, axis);
-    const NodeRange ru = columns(low[view.u()], high[view.u()]), rw = columns(low[view.w()], high[view.w()]);
+    const auto u = static_cast<std::size_t>((axis + 1) % 3), w = static_cast<std::size_t>((axis + 2) % 3);
+    const NodeRange ru = range[u], rw = range[w];
+    if (ru.begin >= ru.end || rw.begin >= rw.end) continue;
+    const AxisView view(v, normal, extent, axis);
     for (int j = rw.begin; j < rw.end; ++j)
       for (int i = ru.begin; i < ru.end; ++i)
         view.column(i, j, [&](int k) {
           std::array<int, 3> at{};
-          at[static_cast<std::size_t>(view.u())] = i;
-          at[static_cast<std::size_t>(view.w())] = j;
+          at[u] = i;
+          at[w] = j;
           at[static_cast<std::size_t>(axis)] = k;
           visit(at, axis);
         });

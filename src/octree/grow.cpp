@@ -221,6 +221,8 @@ bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const V
 TriangleNearBox::TriangleNearBox(const Vec3& a, const Vec3& b, const Vec3& c, double reach)
     : a_(a), reach_squared_(reach * reach), low_(min(min(a, b), c) - a), high_(max(max(a, b), c) - a) {
   const std::array<Vec3, 3> v{Vec3{}, b - a, c - a};
+  const Vec3 extent = high_ - low_;
+  extent_ = std::max({extent.x, extent.y, extent.z});
   const auto add = [&](std::size_t at, const Vec3& axis, double low, double high) {
     axes_[at] = {axis, low, high, std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z), reach_squared_ * squared_norm(axis)};
   };
@@ -246,7 +248,10 @@ bool TriangleNearBox::operator()(const Vec3& center, double half) const {  // [T
     gap_squared += gap * gap;
   }
   if (gap_squared > reach_squared_) return false;
-  for (const Axis& axis : axes_) {
+  // Of a triangle smaller than the cube the normal says it all, nearly.
+  const std::size_t asked = extent_ <= half ? 1 : axes_.size();
+  for (std::size_t i = 0; i < asked; ++i) {
+    const Axis& axis = axes_[i];
     const double p = dot(axis.direction, at), box = half * axis.box;
     const double gap = std::max(axis.low - p, p - axis.high) - box;
     if (gap > 0 && gap * gap > axis.reach_squared) return false;

@@ -45,7 +45,7 @@ struct Adaptivity {
 struct LevelSetOptions {
   double band = 3;        // cells of exact distance on both sides of the surface
   double room = 0;        // cells beyond the band that are finest too, for a surface that will move
-  Adaptivity adaptivity{};  // if wanted, room must be 0
+  Adaptivity adaptivity = {};  // if wanted, room must be 0
   bool far_field = true;  // spread distances to the whole domain; without it |phi| ends at `band`
   bool keep_nearest = false;  // return the nearest facets, 4 bytes a node
 };

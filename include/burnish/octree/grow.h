@@ -20,8 +20,8 @@ bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const V
 // Whether a triangle is near axis-parallel cubes, for many cubes.
 //
 // Never false if the distance between them is at most `reach`. A separating axis test of the cube rounded by the reach: the
-// gap between the bounding boxes, the triangle's normal, nine products of edges. True in vain only where a corner of the cube faces
-// a corner or an edge of the triangle, and there by less than (sqrt 2 - 1) reach.
+// gap between the bounding boxes, the triangle's normal and, where it is larger than half the cube, nine products of edges. True in vain
+// only where a corner or an edge of the cube faces one of the triangle, by a part of the reach.
 class TriangleNearBox {
  public:
   TriangleNearBox(const Vec3& a, const Vec3& b, const Vec3& c, double reach);
@@ -37,6 +37,7 @@ class TriangleNearBox {
   Vec3 a_;
   double reach_squared_;
   Vec3 low_, high_;  // bounding box, relative to a
+  double extent_;    // its longest side
   std::array<Axis, 10> axes_;
 };
 
