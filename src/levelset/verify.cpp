@@ -22,6 +22,7 @@ constexpr std::size_t kLeavesAtOnce = 64;
 struct Candidate {
   LatticeNode node;
   double distance = 0;  // the kernel's
+  double band = 0;      // of the node's leaf
   double stored = 0;    // |phi|
   NodeStratum stratum = NodeStratum::near_surface;
 };
@@ -38,6 +39,7 @@ std::vector<std::uint32_t> shuffled_near_leaves(const SurfaceOctree& grid, std::
   return leaves;
 }
 
+// Both in cells of the leaf's level.
 NodeStratum stratum_of(double distance, double band) {
   return distance < 1 ? NodeStratum::near_surface : distance < band - 1 ? NodeStratum::mid_band : NodeStratum::band_edge;
 }
@@ -46,7 +48,8 @@ NodeStratum stratum_of(double distance, double band) {
 class LeafSample {
  public:
   LeafSample(const TriangleSoup& soup, const std::vector<char>& active, const LevelSet& set, std::size_t leaf, std::uint64_t seed)
-      : soup_(soup), active_(active), set_(set), leaf_(leaf), random_(seed ^ (leaf + 1) * 0x9e3779b97f4a7c15ull), squared_(kBlockNodes) {
+      : soup_(soup), active_(active), set_(set), leaf_(leaf), side_(1 << set.octree().level(leaf)),
+        random_(seed ^ (leaf + 1) * 0x9e3779b97f4a7c15ull), squared_(kBlockNodes) {
     std::vector<std::uint32_t> nearest(kBlockNodes);
     exact_squared_distances(soup, set.grid, leaf, set.band, active, squared_.data(), nearest.data());
   }
@@ -55,7 +58,7 @@ class LeafSample {
   std::vector<Candidate> take(std::size_t most) {
     std::array<std::vector<std::size_t>, kNodeStrata> nodes;
     for (std::size_t n = 0; n < kBlockNodes; ++n)
-      nodes[static_cast<std::size_t>(stratum_of(std::sqrt(squared_[n]), set_.band))].push_back(n);
+      nodes[static_cast<std::size_t>(stratum_of(std::sqrt(squared_[n]) / side_, set_.band))].push_back(n);
     nodes[static_cast<std::size_t>(NodeStratum::near_features)] = nodes_at_features();
     std::vector<Candidate> taken;
     for (std::size_t s = 0; s < kNodeStrata; ++s)
@@ -70,7 +73,7 @@ class LeafSample {
   Candidate candidate(std::size_t n, NodeStratum stratum) const {
     const auto i = static_cast<int>(n);
     return {lattice_node(set_.octree(), leaf_, i % kBlockSide, i / kBlockSide % kBlockSide, i / (kBlockSide * kBlockSide)), std::sqrt(squared_[n]),
-            std::abs(static_cast<double>(set_.phi.block(leaf_)[n])), stratum};
+            set_.band * side_, std::abs(static_cast<double>(set_.phi.block(leaf_)[n])), stratum};
   }
 
   // Of a few of the leaf's facets the nodes nearest to corners and to middles of edges.
@@ -92,8 +95,7 @@ class LeafSample {
 
   void add_nearest(const Vec3& at, std::vector<std::size_t>& nodes) const {
     const LatticeNode corner = lattice_node(set_.octree(), leaf_, 0, 0, 0);
-    const double side = static_cast<double>(1 << set_.octree().level(leaf_));
-    const double x = std::round((at.x - corner.x) / side), y = std::round((at.y - corner.y) / side), z = std::round((at.z - corner.z) / side);
+    const double x = std::round((at.x - corner.x) / side_), y = std::round((at.y - corner.y) / side_), z = std::round((at.z - corner.z) / side_);
     const auto is_own = [](double c) { return c >= 0 && c < kBlockSide; };
     if (is_own(x) && is_own(y) && is_own(z)) nodes.push_back(node_index(static_cast<int>(x), static_cast<int>(y), static_cast<int>(z)));
   }
@@ -102,6 +104,7 @@ class LeafSample {
   const std::vector<char>& active_;
   const LevelSet& set_;
   const std::size_t leaf_;
+  const double side_;  // of its cells
   std::mt19937_64 random_;
   std::vector<double> squared_;
 };
@@ -169,8 +172,8 @@ DistanceCheck check_distances(const TriangleSoup& lattice_soup, const std::vecto
     const Candidate& c = chosen[i];
     const double allowed = kRelative * exact[i] + kOfDiagonal * options.diagonal;
     ++check.nodes[static_cast<std::size_t>(c.stratum)];
-    add(check.kernel, std::abs(c.distance - std::min(exact[i], level_set.band)), allowed);
-    if (!(c.distance < level_set.band)) continue;
+    add(check.kernel, std::abs(c.distance - std::min(exact[i], c.band)), allowed);
+    if (!(c.distance < c.band)) continue;
     ++check.stored_nodes;
     add(check.stored, std::abs(c.stored - exact[i]), allowed + kHalfUnit * exact[i]);
   }

@@ -1,14 +1,10 @@
 #include "burnish/pipeline/field.h"
 
-#include <fmt/format.h>
-#include <sys/stat.h>
-
 #include <algorithm>
 #include <utility>
 
-#include "burnish/io/field_files.h"
-#include "burnish/io/output_file.h"
 #include "burnish/levelset/volume.h"
+#include "field_output.h"
 #include "level_set_gear.h"
 #include "octree_cells.h"
 #include "prepare_input.h"
@@ -18,34 +14,23 @@
 namespace burnish {
 namespace {
 
-constexpr std::size_t kManyCells = 50'000'000;  // from here on, their number is said before they are written
-
 double cubed(double a) { return a * a * a; }
 
 // One run: the stages write into the result as they go.
 class FieldRun {
  public:
-  FieldRun(const FieldJob& job, Progress& progress) : job_(job), progress_(progress) {
+  FieldRun(const FieldJob& job, Progress& progress) : job_(job), progress_(progress), output_(job.output, job.overwrite) {
     report_.input = job.input;
     result_.input = job.input;
     result_.band = job.band;
-    result_.output.file = job.output;
-    result_.output.cells = job.cells;
   }
 
   FieldResult run() {
-    std::optional<OutputFile> file;
-    if (!job_.output.empty()) {
-      format_ = field_format_for_writing(job_.output);
-      result_.output.format = name(format_);
-      // Created before the work: a file that cannot be written is to be known before it, not after.
-      file.emplace(job_.output, job_.overwrite);
-    }
     if (prepare()) {
       build();
       measure();
       if (job_.verify > 0) verify();
-      if (file) write(*file);
+      if (output_.is_wanted()) write();
     }
     return finish();
   }
@@ -72,7 +57,12 @@ class FieldRun {
     begin("distances and signs");
     if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
     resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings, job_.band);
-    const LevelSetOptions set{.band = job_.band, .room = 0, .far_field = true, .keep_nearest = !job_.output.empty()};
+    LevelSetOptions set{.band = job_.band, .room = 0, .far_field = true, .keep_nearest = output_.is_wanted()};
+    const ResolvedOptions& options = report_.options;
+    set.adaptivity.limits = job_.limits;
+    set.adaptivity.limits.coarsest_level = options.coarsest_level;
+    if (options.adapt) set.adaptivity.tolerance = *options.adapt / options.cell;
+    result_.limits = set.adaptivity.limits;
     built_ = build_level_set(prepared_, set, report_, progress_);
   }
 
@@ -86,10 +76,17 @@ class FieldRun {
     grid.bytes_planned = report_.grid.bytes_planned;
     grid.nodes = set.phi.values().size();
     grid.bytes = set.grid.bytes() + set.phi.bytes();
-    for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) grid.near_blocks += set.grid.near_surface(leaf);
+    grid.by_level.resize(static_cast<std::size_t>(set.octree().depth()) + 1);
+    for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
+      FieldLevel& level = grid.by_level[static_cast<std::size_t>(set.octree().level(leaf))];
+      ++level.blocks;
+      level.near_blocks += set.grid.near_surface(leaf);
+      grid.near_blocks += set.grid.near_surface(leaf);
+    }
     result_.volume = {report_.before.volume, signed_volume(prepared_.capped.soup), enclosed_volume(set) * cubed(set.frame.cell)};
     result_.facets = built_.facets.size();
     result_.regions = built_.regions;
+    result_.growth = built_.growth;
   }
 
   void verify() {
@@ -105,34 +102,22 @@ class FieldRun {
     result_.verification = check_distances(soup, roles, built_.level_set, {.nodes = job_.verify, .diagonal = diagonal}, progress_);
   }
 
-  void write(OutputFile& file) {
+  void write() {
     std::vector<std::uint32_t> input_facet(built_.roles.size(), kNoFacet);
     std::copy(prepared_.source.begin(), prepared_.source.end(), input_facet.begin());
     const OctreeCells cells(built_, input_facet, job_.cells);
-    require_memory(cells.count());
-    begin(cells.count() > kManyCells ? fmt::format("writing {} million cells", cells.count() / 1'000'000) : "writing");
-    const WrittenField written = write_field(file.fd(), file.destination(), cells.grid(), format_, progress_);
-    struct stat status {};
-    if (::fstat(file.fd(), &status) == 0) result_.output.bytes = static_cast<std::uint64_t>(status.st_size);
-    file.commit();
-    result_.output.written = true;
-    result_.output.cell_count = written.cells;
-    result_.output.point_count = written.points;
-    result_.output.octant_count = written.octants;
-  }
-
-  void require_memory(std::size_t cells) const {
-    const std::uint64_t needed = result_.grid.bytes + built_.nearest.bytes() + bytes_to_write_field(cells, format_);
-    if (needed <= job_.options.memory_bytes) return;
-    throw Error(ErrorCode::memory_limit,
-                fmt::format("{}: writing {} cells takes about {:.1f} GB; the budget is {:.1f} GB", job_.output, cells,
-                            static_cast<double>(needed) * 0x1p-30, static_cast<double>(job_.options.memory_bytes) * 0x1p-30),
-                job_.cells == FieldCells::blocks ? "choose a larger --cell, or raise --memory"
-                                                 : "write the octree's blocks with --blocks, choose a larger --cell, or raise --memory");
+    output_.require_memory(cells.count(), result_.grid.bytes + built_.nearest.bytes(), job_.options.memory_bytes,
+                           job_.cells == FieldCells::blocks
+                               ? "choose a larger --cell, or raise --memory"
+                               : "write the octree's blocks with --blocks, choose a larger --cell, or raise --memory");
+    begin(FieldOutput::stage(cells.count()));
+    output_.write(cells.grid(), progress_);
   }
 
   FieldResult finish() {
     clock_.end();
+    result_.output = output_.told();
+    result_.output.cells = job_.cells;
     result_.input_format = report_.input_format;
     result_.warnings = std::move(report_.warnings);
     result_.options = report_.options;
@@ -147,7 +132,7 @@ class FieldRun {
 
   const FieldJob& job_;
   Progress& progress_;
-  FieldFormat format_ = FieldFormat::vtu;
+  FieldOutput output_;
   StageClock clock_;
   RepairReport report_;  // what preparation tells
   FieldResult result_;

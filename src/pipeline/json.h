@@ -3,8 +3,11 @@
 
 #include <nlohmann/json.hpp>
 #include <string>
+#include <vector>
 
+#include "burnish/core/timer.h"
 #include "burnish/core/vec.h"
+#include "burnish/octree/refine.h"
 
 namespace burnish {
 
@@ -22,6 +25,29 @@ inline Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 inline Json json_of(const Box3& box) {
   if (box.empty()) return nullptr;
   return {{"lower", json_of(box.lower)}, {"upper", json_of(box.upper)}, {"diagonal", box.diagonal()}};
+}
+
+inline Json json_of(const std::vector<StageCost>& stages) {
+  Json list = Json::array();
+  for (const StageCost& stage : stages) {
+    list.push_back({
+        {"name", stage.name},
+        {"wall_seconds", stage.wall_seconds},
+        {"cpu_seconds", stage.cpu_seconds},
+        {"peak_bytes", stage.peak_bytes},
+    });
+  }
+  return list;
+}
+
+// How many octants each criterion of `limits` divided, null where it was not asked for, and the balance.
+inline Json divisions_of(const RefinementLimits& limits, const GrowthStatistics& statistics) {
+  Json divided;
+  for (const char* criterion : {"max_face_limit", "max_face_cut", "refine_tol"}) divided[criterion] = nullptr;
+  const auto criteria = criteria_of(limits);
+  for (std::size_t c = 0; c < criteria.size(); ++c) divided[std::string(criteria[c]->name())] = statistics.divided_by[c];
+  divided["balance"] = statistics.divided_by_balance;
+  return divided;
 }
 
 }  // namespace burnish

@@ -156,6 +156,7 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
     for (std::size_t i = 0; i < facets.size(); ++i) result.roles[facets[i]] = built.roles[i];
     tell_unresolved(built, report);
     result.regions = built.regions;
+    result.growth = std::move(built.growth);
     result.nearest = std::move(built.nearest);
     parallel_for(result.nearest.values().size(), [&](std::size_t n) {
       std::uint32_t& facet = result.nearest.values()[n];

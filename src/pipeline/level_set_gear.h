@@ -19,6 +19,7 @@ struct BuiltLevelSet {
   std::vector<std::uint32_t> facets;
   Field<std::uint32_t> nearest;  // the prepared soup's facet nearest to each node, if it was asked for
   std::size_t regions = 0;       // connected parts of the lattice that facets separate
+  GrowthStatistics growth;       // of an adaptive octree (levelset/from_triangles.h)
 };
 
 // Closes the prepared input anew if openings are to stay and the rest is a sheet that has a top side: as a block.

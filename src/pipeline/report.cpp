@@ -12,7 +12,8 @@ namespace {
 
 using burnish::json_of;
 
-Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+template <class T>
+Json json_of(const std::optional<T>& value) { return value ? Json(*value) : Json(); }
 
 Json json_of(const Defects& d) {
   return {
@@ -152,19 +153,6 @@ Json json_of(const std::vector<GroupSummary>& groups) {
   return list;
 }
 
-Json json_of(const std::vector<StageCost>& stages) {
-  Json list = Json::array();
-  for (const StageCost& stage : stages) {
-    list.push_back({
-        {"name", stage.name},
-        {"wall_seconds", stage.wall_seconds},
-        {"cpu_seconds", stage.cpu_seconds},
-        {"peak_bytes", stage.peak_bytes},
-    });
-  }
-  return list;
-}
-
 // Errors in model units, as all lengths outside are.
 Json json_of(const ErrorSummary& e, std::size_t nodes, double cell) {
   return {{"nodes", nodes}, {"max", e.max * cell}, {"rms", e.rms * cell}, {"worst_share_of_allowed", e.worst_share}, {"exceeded", e.exceeded}};
@@ -263,6 +251,13 @@ std::string to_json(const FieldResult& r) {
     output = {{"file", o.file},       {"format", o.format},        {"cells", name(o.cells)},          {"written", o.written},
               {"cell_count", o.cell_count}, {"point_count", o.point_count}, {"octant_count", o.octant_count}, {"bytes", o.bytes}};
   const auto or_null = [&](Json part) { return r.failure ? Json() : part; };
+  Json by_level = Json::array(), divided;
+  for (std::size_t l = 0; l < g.by_level.size(); ++l)
+    by_level.push_back({{"level", l}, {"blocks", g.by_level[l].blocks}, {"near_blocks", g.by_level[l].near_blocks}});
+  if (r.is_adaptive()) {
+    divided = divisions_of(r.limits, r.growth);
+    divided["adapt"] = r.options.adapt ? Json(r.growth.divided_by.back()) : Json();
+  }
   return text_of({
       {"version", kReportVersion},
       {"generator", generator()},
@@ -272,13 +267,15 @@ std::string to_json(const FieldResult& r) {
       {"warnings", Json(r.warnings)},
       {"options",
        {{"cell", r.options.cell}, {"cell_was_chosen", r.options.cell_was_chosen}, {"cells_along_longest_side", r.options.cells_along_longest_side},
-        {"band", r.band}, {"gap", json_of(r.options.gap)}, {"max_hole", json_of(r.options.max_hole)}, {"memory_bytes", r.options.memory_bytes}}},
+        {"band", r.band}, {"gap", json_of(r.options.gap)}, {"max_hole", json_of(r.options.max_hole)}, {"adapt", json_of(r.options.adapt)},
+        {"max_face_limit", json_of(r.limits.max_face_limit)}, {"max_face_cut", json_of(r.limits.max_face_cut)},
+        {"refine_tol", json_of(r.limits.refine_tol)}, {"coarsest_level", r.options.coarsest_level}, {"memory_bytes", r.options.memory_bytes}}},
       {"before", json_of(r.before)},
       {"facets", or_null({{"used", r.facets}, {"interior", r.interior_facets}, {"unresolved", r.unresolved_facets}})},
       {"regions", or_null({{"count", r.regions}, {"ambiguous", r.ambiguous_regions}})},
       {"grid",
        or_null({{"blocks", g.blocks}, {"finest_blocks", g.finest_blocks}, {"near_blocks", g.near_blocks}, {"nodes", g.nodes}, {"levels", g.levels},
-                {"bytes", g.bytes}, {"bytes_planned", g.bytes_planned}})},
+                {"by_level", std::move(by_level)}, {"divided", std::move(divided)}, {"bytes", g.bytes}, {"bytes_planned", g.bytes_planned}})},
       {"volume", or_null({{"input", r.volume.input}, {"prepared", r.volume.prepared}, {"level_set", r.volume.level_set}})},
       {"verification", r.verification ? json_of(*r.verification, r.options.cell) : Json()},
       {"stages", json_of(r.stages)},

@@ -102,6 +102,52 @@ def vtk_reads_the_cells(box):
 
 
 @scenario("field")
+def vtk_reads_cells_of_several_levels(box):
+    for suffix in ("vtu", "htg"):
+        options = ["--adapt", "0.5h", "--cell-max", "4h", "--cell", "0.02", "--json", "-q"]
+        report = json.loads(box.succeed(["field", "cube.stl", "-o", f"f.{suffix}", *options]).out)
+        near = [level["near_blocks"] for level in report["grid"]["by_level"]]
+        expect(near[0] > 0 and sum(near[1:]) > 0, f"blocks near the surface are of one level: {near}")
+        read = read_field(box.folder / f"f.{suffix}")
+        if read is None:
+            return
+        expect(len(read["bounds"]) == report["output"]["cell_count"] == report["grid"]["blocks"] + 511 * sum(near), f"{suffix}: cells")
+        cell, cells = report["options"]["cell"], read["cells"]
+        domain = max(b[1] for b in read["bounds"]) - min(b[0] for b in read["bounds"])
+        expect(abs(sum((b[1] - b[0]) ** 3 for b in read["bounds"]) / domain ** 3 - 1) < 1e-5, "the cells do not tile the domain")
+        for b, level, phi in zip(read["bounds"], cells["level"], cells["phi"]):
+            side = b[1] - b[0]
+            expect(abs(side / cell - 2 ** level) < 1e-3, f"level {level}, side {side}")
+            exact = distance_to_unit_cube([(b[i] + b[i + 1]) / 2 for i in (0, 2, 4)])
+            # Of a cell the mean of its corners, where hanging ones are interpolated; of a block its middle node.
+            expect(abs(exact) > 3 * side or abs(phi - exact) < 0.5 * side + 1e-6, f"phi {phi} at {b}, expected {exact}")
+        for at, phi in zip(read["at"], read["phi"]):
+            exact = distance_to_unit_cube(at)
+            # Off by the tolerance at most where a node is exact or hangs beside a coarser leaf.
+            expect(abs(exact) > 2 * cell or abs(phi - exact) < cell, f"phi {phi} at {at}, expected {exact}")
+
+
+@scenario("field")
+def vtk_reads_an_octree_of_cells(box):
+    for suffix in ("vtu", "htg"):
+        report = json.loads(box.succeed(["field", "cube.stl", "--cell-octree", "-o", f"c.{suffix}", "--max-face-cut", "2", "--resolution", "64", "--json", "-q"]).out)
+        read = read_field(box.folder / f"c.{suffix}")
+        if read is None:
+            return
+        cells, bounds = read["cells"], read["bounds"]
+        expect(set(cells) == {"level", "facets", "facets_cut"}, f"arrays {set(cells)}")
+        expect(len(bounds) == report["cells"]["count"], f"{len(bounds)} cells")
+        expect(sum(cells["facets"]) == 12, f"{sum(cells['facets'])} facets")
+        expect(sum(n > 0 for n in cells["facets_cut"]) == report["cells"]["cut"], "cells cut")
+        for b, level, cut in zip(bounds, cells["level"], cells["facets_cut"]):
+            expect(abs((b[1] - b[0]) / report["options"]["cell"] - 2 ** level) < 1e-4, f"level {level} of {b}")
+            expect(cut <= 2 or level == 0, f"{cut} facets in a cell of level {level}")
+            # A cell is cut exactly where it meets a side of the cube.
+            inner, outer = (all(test(b[i], b[i + 1]) for i in (0, 2, 4)) for test in (lambda p, q: p > 0 and q < 1, lambda p, q: p <= 1 and q >= 0))
+            expect((cut > 0) == (outer and not inner), f"{cut} facets cut {b}")
+
+
+@scenario("field")
 def cells_name_the_facet_they_are_near_to(box):
     box.succeed(["field", "cube.stl", "-o", "f.vtu", "-q", "--cell", "0.1"])
     read = read_field(box.folder / "f.vtu")
@@ -122,8 +168,8 @@ def cells_name_the_facet_they_are_near_to(box):
 @scenario("field")
 def render_octree_draws_a_section(box):
     script = Path(__file__).resolve().parents[2] / "scripts" / "render_octree"
-    for suffix, color in (("vtu", "level"), ("htg", "phi")):
-        box.succeed(["field", "cube.stl", "-o", f"f.{suffix}", "-q", "--cell", "0.1"])
+    for suffix, color, options in (("vtu", "level", []), ("htg", "phi", ["--adapt", "0.2h"]), ("vtu", "level", ["--cell-octree"])):
+        box.succeed(["field", "cube.stl", "-o", f"f.{suffix}", "-q", "--cell", "0.1", "--overwrite", *options])
         command = [script, f"f.{suffix}", "-o", f"{suffix}.png", "--slice", "y=0.4", "--surface", "cube.stl", "--color", color, "--size", "500x300"]
         result = subprocess.run(command, cwd=box.folder, capture_output=True, timeout=240)
         if result.returncode and (b"bootstrap" in result.stderr or b"No module named" in result.stderr):
@@ -136,10 +182,10 @@ def render_octree_draws_a_section(box):
 
 @scenario("field")
 def fields_do_not_depend_on_threads(box):
-    for suffix in ("vtu", "htg"):
+    for suffix, options in (("vtu", []), ("htg", []), ("vtu", ["--adapt", "0.1h"]), ("htg", ["--cell-octree"])):
         for threads in "12":
-            box.succeed(["field", "crossing.stl", "-q", "-o", f"{threads}.{suffix}", "--threads", threads, *QUICK])
-        expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs")
+            box.succeed(["field", "crossing.stl", "-q", "-o", f"{threads}.{suffix}", "--overwrite", "--threads", threads, *QUICK, *options])
+        expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs, {options}")
 
 
 @scenario("field")

@@ -521,7 +521,7 @@ def every_field_of_the_schemas_is_described(_):
         closed = schema.get("additionalProperties") is False
         is_object = "object" in (schema.get("type") or ())
         expect(not is_object or closed, f"{path} is open")
-    for name in ("check.schema.json", "compare.schema.json", "field.schema.json", "report.schema.json"):
+    for name in ("cell_octree.schema.json", "check.schema.json", "compare.schema.json", "field.schema.json", "report.schema.json"):
         schema = validator(name).schema
         walk(schema, name)
         for key, part in schema["$defs"].items():
@@ -530,16 +530,29 @@ def every_field_of_the_schemas_is_described(_):
 
 @scenario("schemas")
 def fields(box):
-    for options in ([], ["-o", "f.htg", "--blocks"], ["-o", "f.vtu", "--verify-exact", "100", "--band", "5"]):
+    for options in ([], ["-o", "f.htg", "--blocks"], ["-o", "f.vtu", "--verify-exact", "100", "--band", "5"], ["--adapt", "0.1h", "--max-face-cut", "9"]):
         result = json.loads(box.succeed(["field", "crossing.stl", "--json", "-q", *QUICK, *options]).out)
         expect_valid("field.schema.json", result)
-        expect((result["output"] is None) == (not options), f"output: {result['output']}")
+        expect((result["output"] is None) == ("-o" not in options), f"output: {result['output']}")
+        expect((result["grid"]["divided"] is None) == ("--adapt" not in options), f"{result['grid']['divided']}")
+        expect(sum(level["blocks"] for level in result["grid"]["by_level"]) == result["grid"]["blocks"], "blocks by level")
         expect(result["volume"]["level_set"] < result["volume"]["input"] == 2, f"{result['volume']}")
         if "--verify-exact" in options:
             expect(result["verification"]["passed"] and result["verification"]["kernel"]["nodes"] == 100, f"{result['verification']}")
     failed = box.run(["field", "triangle.stl", "--json", "-q"])
     expect(failed.code == 5, f"exit code {failed.code}")
     expect_valid("field.schema.json", json.loads(failed.out))
+
+
+@scenario("schemas")
+def octrees_of_cells(box):
+    for options in ([], ["-o", "f.htg"], ["-o", "f.vtu", "--max-face-cut", "6", "--resolution", "32"]):
+        result = json.loads(box.succeed(["field", "triangle.stl", "--cell-octree", "--json", "-q", *options]).out)
+        expect_valid("cell_octree.schema.json", result)
+        expect((result["output"] is None) == (not options), f"output: {result['output']}")
+        cells = result["cells"]
+        expect(sum(level["cells"] for level in cells["levels"]) == cells["count"], "cells by level")
+        expect(sum(level["cut"] for level in cells["levels"]) == cells["cut"] > 0, "cells cut by level")
 
 
 @scenario("schemas")

@@ -43,6 +43,51 @@ TEST(Field, ReportsTheOctreeAndTheVolume) {
   EXPECT_EQ(result.verification->total(), 400u);
 }
 
+TEST(Field, OfBlocksOfSeveralLevelsIsAsGoodWithFewer) {
+  const Folder folder;
+  FieldJob job = job_for(folder, icosphere(5), 200);
+  const FieldResult uniform = field(job);
+  EXPECT_FALSE(uniform.is_adaptive());
+  EXPECT_EQ(uniform.grid.by_level[0].near_blocks, uniform.grid.near_blocks);
+  job.options.adapt = Length{0.1, LengthUnit::cells};
+  job.verify = 1000;
+  const FieldResult result = field(job);
+  ASSERT_TRUE(result.is_adaptive());
+  EXPECT_TRUE(result.verification->passed());
+  EXPECT_EQ(result.options.coarsest_level, 3);
+  std::uint64_t blocks = 0, near = 0, divided = result.growth.divided_by_balance;
+  for (std::size_t l = 0; l < result.grid.by_level.size(); ++l) {
+    blocks += result.grid.by_level[l].blocks;
+    near += result.grid.by_level[l].near_blocks;
+    EXPECT_EQ(result.grid.by_level[l].blocks, result.growth.levels[l].leaves);
+  }
+  EXPECT_EQ(blocks, result.grid.blocks);
+  EXPECT_EQ(near, result.grid.near_blocks);
+  for (const std::uint64_t n : result.growth.divided_by) divided += n;
+  EXPECT_LE(7 * divided + 1, blocks);
+  EXPECT_LT(4 * blocks, uniform.grid.blocks);
+  EXPECT_LT(result.grid.by_level[0].near_blocks, near);
+  // A tenth of a finest cell all over the surface of a ball of radius 1.
+  EXPECT_NEAR(result.volume.level_set, uniform.volume.level_set, 0.1 * result.options.cell * 4 * 3.1416);
+}
+
+// The limits say how many facets a cell may have, not how far off it may be: beside --adapt they divide more, never less.
+TEST(Field, TakesTheLimitsOfFacetsToo) {
+  const Folder folder;
+  FieldJob job = job_for(folder, icosphere(5), 100);
+  job.options.adapt = Length{0.1, LengthUnit::cells};
+  const FieldResult without = field(job);
+  job.limits.max_face_limit = 0;
+  const FieldResult with = field(job);
+  ASSERT_EQ(with.growth.divided_by.size(), 2u);
+  EXPECT_GT(with.growth.divided_by[0], 0u);
+  EXPECT_GT(with.grid.by_level[0].near_blocks, without.grid.by_level[0].near_blocks);
+  job.options.adapt.reset();
+  const FieldResult alone = field(job);
+  ASSERT_EQ(alone.growth.divided_by.size(), 1u);
+  EXPECT_LE(alone.grid.blocks, with.grid.blocks);
+}
+
 TEST(Field, WritesWhatIsAskedFor) {
   const Folder folder;
   FieldJob job = job_for(folder, cube(), 24);

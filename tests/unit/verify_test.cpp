@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <vector>
 
@@ -41,6 +42,31 @@ TEST(CheckDistances, OfAClosedSurfaceAreExact) {
     EXPECT_LT(check.stored.max, 4 * 0x1p-24 + 1e-12);
     EXPECT_LE(check.stored.worst_share, 1);
   }
+}
+
+// The band of a leaf of level l is 2^l times as wide.
+TEST(CheckDistances, OfBlocksOfSeveralLevels) {
+  const TriangleSoup ball = icosphere(5);
+  const GridFrame frame = make_frame(bounding_box(ball), 0.01, 40);
+  LevelSetOptions options{.band = 3, .room = 0, .far_field = true};
+  options.adaptivity.tolerance = 0.05;
+  options.adaptivity.limits.coarsest_level = 3;
+  Built built{to_lattice(ball, frame), level_set_from_triangles(ball, frame, options)};
+  LevelSet& set = built.field.level_set;
+  std::array<std::size_t, 4> near{};
+  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf)
+    if (set.grid.near_surface(leaf)) ++near.at(static_cast<std::size_t>(set.octree().level(leaf)));
+  EXPECT_GE(std::ranges::count_if(near, [](std::size_t n) { return n > 0; }), 2) << "the test takes several levels";
+  const DistanceCheck check = built.check(2000);
+  EXPECT_TRUE(check.passed());
+  EXPECT_EQ(check.total(), 2000u);
+  EXPECT_LT(check.stored_nodes, check.total());
+  EXPECT_GT(check.stored.max, 0);
+  // What is off in coarse leaves alone is found as well.
+  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf)
+    if (set.octree().level(leaf) > 0 && set.grid.near_surface(leaf))
+      for (std::size_t n = 0; n < kBlockNodes; ++n) set.phi.block(leaf)[n] *= 1 + 0x1p-21f;
+  EXPECT_GT(built.check(2000).stored.exceeded, 10u);
 }
 
 // A facet inside the solid is nearer to many nodes than its surface, and no part of it.

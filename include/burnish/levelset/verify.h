@@ -12,7 +12,8 @@
 
 namespace burnish {
 
-// Where errors would have different causes.
+// Where errors would have different causes. Cells and band are those of the level of the node's leaf: the band of level l is `band` times
+// 2^l finest cells wide.
 enum class NodeStratum : std::uint8_t {
   near_surface,   // closer than a cell: cancellation
   mid_band,       // between a cell from the surface and a cell from the band's edge
@@ -22,7 +23,7 @@ enum class NodeStratum : std::uint8_t {
 inline constexpr std::size_t kNodeStrata = 4;
 std::string_view name(NodeStratum stratum);  // "near_surface", "mid_band", "band_edge", "near_features"
 
-// Errors of one sort, in cells.
+// Errors of one sort, in finest cells.
 struct ErrorSummary {
   double max = 0;
   double rms = 0;
@@ -50,7 +51,7 @@ struct DistanceCheckOptions {
 // lattice coordinates, where nodes are exact.
 //
 // Allowed are 1e-9 d + 1e-12 diagonal for the kernel's double d, and for |phi| that and half a unit in the last place of
-// its type. At nodes beyond the band the kernel has to say `band`.
+// its type. At nodes beyond the band the kernel has to say how far that reaches.
 // `lattice_soup` has the facets that `level_set` was built from. The choice of nodes depends on the seed alone, not on threads.
 DistanceCheck check_distances(const TriangleSoup& lattice_soup, const std::vector<FacetRole>& roles, const LevelSet& level_set,
                               const DistanceCheckOptions& options, Progress& progress = no_progress());

@@ -26,11 +26,20 @@ struct FieldJob {
   std::string input;          // a path, or "-" for standard input
   std::string output;         // a .vtu or .htg; empty: nothing is written
   CleanOptions options;       // those of preparation and resolution; method, smoothing and thickness are not looked at
-  double band = 3;            // cells of exact distances on both sides of the surface
+  double band = 3;            // cells of exact distances on both sides of the surface, of the level of the cells there
+  // The thesis' criteria for dividing blocks, beside options.adapt; the coarsest level follows from options.cell_max. With
+  // neither all blocks near the surface are finest.
+  RefinementLimits limits;
   FieldCells cells = FieldCells::near;
   std::size_t verify = 0;     // nodes to compare with exact distances
   bool salvage = false;       // take what a broken input file holds
   bool overwrite = false;     // an existing output may be replaced
+};
+
+// Blocks of one level.
+struct FieldLevel {
+  std::uint64_t blocks = 0;
+  std::uint64_t near_blocks = 0;  // of them, within the band of a facet
 };
 
 // The octree and what it carries.
@@ -40,6 +49,7 @@ struct FieldGrid {
   std::uint64_t near_blocks = 0;    // within the band of a facet
   std::uint64_t nodes = 0;          // that the blocks store
   int levels = 0;
+  std::vector<FieldLevel> by_level; // 0, the finest, first
   std::uint64_t bytes = 0;          // octree, lists of facets, and phi
   std::uint64_t bytes_planned = 0;  // of the whole run: the estimate that was held against the memory budget
 };
@@ -69,6 +79,8 @@ struct FieldResult {
   ResolvedOptions options;
   double band = 0;                    // cells
   Defects before;                     // of the input
+  RefinementLimits limits;
+  GrowthStatistics growth;            // of an adaptive octree; `divided_by` as in criteria_of(limits), then options.adapt
   std::size_t regions = 0;            // connected parts of the lattice that facets separate
   std::size_t ambiguous_regions = 0;  // whose side had to be decided node by node
   std::size_t facets = 0;             // with an area, caps included: what the level set was built from
@@ -80,6 +92,8 @@ struct FieldResult {
   FieldFile output;
   std::optional<Error> failure;       // the input bounds no solid: there is no field
   std::vector<StageCost> stages;
+
+  bool is_adaptive() const { return !growth.levels.empty(); }
 };
 
 // Reads, inspects and prepares the input and builds its level set, as `clean` does with the level set gear, but with distances in the
