@@ -25,6 +25,7 @@ constexpr std::size_t kVotesPerComponent = 64;
 constexpr double kVoteReach = 3;          // cells
 constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
 constexpr double kDomainMargin = 11;      // cells between the band and the walls
+constexpr double kZerosOnly = 1.5;        // cells: nodes this near to the surface say where it is
 constexpr double kCrumb = 0.25;           // cells: a part of either sign that stays nearer to the rim than this is none
 
 // Smoothing and extraction look no farther than the band, so the far field is left out.
@@ -171,6 +172,8 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
 
 void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
+  // What is extracted afterwards are the zeros: farther away, where the field has been clamped, signs will do.
+  level_set.band = std::min(level_set.band, kZerosOnly);
   level_set = coarsen(level_set, *options.adapt / options.cell, options.coarsest_level, progress);
   tell_grid(level_set.octree(), report);
 }
