@@ -203,8 +203,11 @@ bool triangle_overlaps_cube(const Vec3& a, const Vec3& b, const Vec3& c, const V
     if (std::max({v[0][axis], v[1][axis], v[2][axis]}) < -half) return false;
   }
   const std::array<Vec3, 3> e{v[1] - v[0], v[2] - v[1], v[0] - v[2]};
+  // All three vertices: the normal of a triangle that is a line but for rounding is any direction.
   const Vec3 n = cross(e[0], e[1]);
-  if (std::abs(dot(n, v[0])) > half * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z))) return false;
+  const std::array<double, 3> height{dot(n, v[0]), dot(n, v[1]), dot(n, v[2])};
+  const double across = half * (std::abs(n.x) + std::abs(n.y) + std::abs(n.z));
+  if (*std::min_element(height.begin(), height.end()) > across || *std::max_element(height.begin(), height.end()) < -across) return false;
   for (std::size_t i = 0; i < 3; ++i) {
     // Axis cross(unit(k), e): two vertices project to the same value, so the third and one of them decide.
     const Vec3 &p = v[i], &q = v[(i + 2) % 3];
@@ -226,7 +229,10 @@ TriangleNearBox::TriangleNearBox(const Vec3& a, const Vec3& b, const Vec3& c, do
   const auto add = [&](std::size_t at, const Vec3& axis, double low, double high) {
     axes_[at] = {axis, low, high, std::abs(axis.x) + std::abs(axis.y) + std::abs(axis.z), reach_squared_ * squared_norm(axis)};
   };
-  add(0, cross(v[1], v[2]), 0, 0);
+  // Of a triangle that is a line but for rounding the normal is any direction: its projection on that is no point.
+  const Vec3 n = cross(v[1], v[2]);
+  const double n1 = dot(n, v[1]), n2 = dot(n, v[2]);
+  add(0, n, std::min({n1, n2, 0.0}), std::max({n1, n2, 0.0}));
   for (std::size_t i = 0; i < 3; ++i) {
     const Vec3 e = v[(i + 1) % 3] - v[i];
     for (int k = 0; k < 3; ++k) {

@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kFacetGrain = 2048, kOctantGrain = 16;
 constexpr std::uint8_t kNothing = 255;
+constexpr std::uint64_t kBytesPerDivision = 8 * 270;  // keys, links, lists of eight leaves
 constexpr double kRounding = 1e-6;  // cells
 
 // Octants of one level with their facets.
@@ -155,7 +156,7 @@ class Growth {
   }
 
   // The children of the octants that are divided, without those that no facet meets. [T-REF-2]
-  Layer children(const Layer& layer, const std::vector<char>& divided) const {
+  Layer children(const Layer& layer, const std::vector<char>& divided) {
     const std::vector<std::uint8_t> met = all_children_met(layer, divided);
     std::vector<std::size_t> parents;
     for (std::size_t i = 0; i < layer.size(); ++i)
@@ -169,6 +170,10 @@ class Growth {
         },
         kOctantGrain);
     exclusive_scan_in_place(first);
+    planned_bytes_ += first.back() * sizeof(std::uint32_t) + parents.size() * kBytesPerDivision;
+    if (planned_bytes_ > options_.memory_bytes)
+      throw Error(ErrorCode::memory_limit, "the octree would take more than the memory budget",
+                  "choose a larger --cell or limits that divide less, or raise --memory");
     Layer next;
     next.level = layer.level - 1;
     next.facets.resize(first.back());
@@ -225,6 +230,7 @@ class Growth {
   std::vector<std::uint64_t> asked_for_;  // keys of a child of each octant that is divided
   std::vector<std::vector<Layer>> kept_;  // octants that are not, by level
   std::uint64_t divided_to_start_ = 0;
+  std::uint64_t planned_bytes_ = 0;
 };
 
 std::uint64_t cells_cut_in(const OctantFacets& octant) {

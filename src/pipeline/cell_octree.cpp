@@ -56,7 +56,7 @@ AdaptiveGrowth grow_within(std::uint64_t memory_bytes, const TriangleSoup& latti
   for (const auto& criterion : criteria) bounded.emplace_back(*criterion, divided, memory_bytes / kBytesPerDivision);
   std::vector<const RefinementCriterion*> asked;
   for (const WithinMemory& criterion : bounded) asked.push_back(&criterion);
-  return grow_adaptive(lattice_soup, depth, {.cells_per_side = 1, .coarsest_level = limits.coarsest_level, .band = 0}, asked, progress);
+  return grow_adaptive(lattice_soup, depth, {.cells_per_side = 1, .coarsest_level = limits.coarsest_level, .band = 0, .memory_bytes = memory_bytes}, asked, progress);
 }
 
 // Facets by the leaf that holds their centroid.

@@ -133,6 +133,19 @@ class Run {
     begin("distances and signs");
     if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
     resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings);
+    const std::size_t warnings = report_.warnings.size();
+    build_and_extract(output);
+    if (!report_.failure || !report_.options.adapt || output.float_steps_too_coarse()) return;
+    // What is wrong at cells of two levels cannot be mended; finest cells everywhere can.
+    report_.warnings.resize(warnings);
+    report_.warnings.push_back("with coarser cells the result was no valid surface: --adapt was left out");
+    report_.failure.reset();
+    report_.options.adapt.reset();
+    begin("distances and signs");
+    build_and_extract(output);
+  }
+
+  void build_and_extract(CleanedOutput& output) {
     BuiltLevelSet built = build_level_set(prepared_, report_, progress_);
     if (report_.options.smooth > 0) {
       begin("smoothing");
@@ -171,7 +184,7 @@ class Run {
     report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
     progress_.check();
     const TriangleIndex result_index(result_);
-    const double limit = kLossCells * report_.options.cell + 0.5 * report_.options.smooth + 0.5 * report_.options.thicken.value_or(0);
+    const double limit = kLossCells * report_.options.cell + 0.5 * report_.options.smooth + 0.5 * report_.options.thicken.value_or(0) + 2 * report_.options.adapt.value_or(0);
     std::vector<FarSample> far;
     report_.deviation.input_to_output = one_sided_distance(input_, result_index, {.far_beyond = limit}, &far);
     tell_losses(far, roles, result_index, limit);

@@ -15,6 +15,7 @@
 #include "burnish/surface/exact_distance.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
+#include "read_input.h"
 
 namespace burnish {
 namespace {
@@ -50,6 +51,7 @@ class Side {
     file.warnings = std::move(mesh.warnings);
     progress.check();
     soup = weld(std::move(mesh.soup));
+    require_measurable(path, bounding_box(soup).diagonal());
     progress.check();
     file.measures = inspect(soup, {.self_intersections = false}, progress).defects;
     rule = side_rule(soup);

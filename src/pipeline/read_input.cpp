@@ -47,6 +47,14 @@ bool has_an_area(const TriangleSoup& input, const PreparedInput& prepared, Repai
 
 }  // namespace
 
+void require_measurable(const std::string& path, double diagonal) {
+  if (!(diagonal > kLargestDiagonal || (diagonal > 0 && diagonal < kSmallestDiagonal))) return;
+  throw Error(ErrorCode::unreadable_input,
+              fmt::format("{}: expected a size between {:g} and {:g}, found a bounding box with a diagonal of {:g}", path,
+                          kSmallestDiagonal, kLargestDiagonal, diagonal),
+              "areas and volumes of such a model are beyond double precision: scale it");
+}
+
 TriangleSoup read_input(const std::string& path, bool salvage, const CleanOptions& options, RepairReport& report) {
   MeshFile file = read_mesh(path, {.salvage = salvage});
   report.input_format = name(file.format);
@@ -54,11 +62,7 @@ TriangleSoup read_input(const std::string& path, bool salvage, const CleanOption
   TriangleSoup input = weld(std::move(file.soup));
   report.groups = summaries_of_groups(input);
   const double diagonal = bounding_box(input).diagonal();
-  if (diagonal > kLargestDiagonal || (diagonal > 0 && diagonal < kSmallestDiagonal))
-    throw Error(ErrorCode::unreadable_input,
-                fmt::format("{}: expected a size between {:g} and {:g}, found a bounding box with a diagonal of {:g}", path,
-                            kSmallestDiagonal, kLargestDiagonal, diagonal),
-                "areas and volumes of such a model are beyond double precision: scale it");
+  require_measurable(path, diagonal);
   if (options.recentre) input = recentred(std::move(input), report.recentred_by);
   report.options = resolve_lengths(options, diagonal);
   return input;

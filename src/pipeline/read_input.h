@@ -11,6 +11,9 @@
 
 namespace burnish {
 
+// Throws Error{unreadable_input} for a model whose area or volume is beyond double precision.
+void require_measurable(const std::string& path, double diagonal);
+
 // Reads and welds the file at `path` (or standard input, "-"), moves it to the origin if asked for, and resolves the lengths.
 // Tells report.input_format, .warnings, .groups, .recentred_by and .options. Throws Error as `read_mesh` does, and
 // Error{unreadable_input} for a model whose volume is beyond double precision.

@@ -199,6 +199,7 @@ OneSidedComparison one_sided_comparison(const TriangleSoup& from, const Triangle
   std::vector<double> angles;
   angles.reserve(by_area.size());
   for (std::size_t i = 0; i < by_area.size(); ++i) {
+    if (by_area[i].facet == kNoFacet) continue;  // a distance that is no number
     const Vec3 m = facet_normal_2a(from, samples.facet(i)), n = facet_normal_2a(to, by_area[i].facet);
     if (m != Vec3{} && n != Vec3{}) angles.push_back(angle_in_degrees(m, n));
   }

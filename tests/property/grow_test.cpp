@@ -104,6 +104,21 @@ TEST(GrowProperty, NearnessAgreesWithDenseSamples) {
   EXPECT_LT(in_vain, 30u);
 }
 
+// The normal of a facet that is a line but for rounding has any direction: blocks that hold one of its corners are near it.
+TEST(GrowProperty, LinesAreNearTheBlocksOfTheirPoints) {
+  for (unsigned seed = 1; seed <= 400; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const Vec3 a = random_point(random, 0, 500), c = random_point(random, 0, 500);
+    const Vec3 b = a + (c - a) * std::uniform_real_distribution<double>(0, 1)(random);
+    for (const Vec3& p : {a, b, c}) {
+      const Vec3 center{8 * std::floor(p.x / 8) + 3.5, 8 * std::floor(p.y / 8) + 3.5, 8 * std::floor(p.z / 8) + 3.5};
+      ASSERT_TRUE(TriangleNearBox(a, b, c, 3)(center, 3.5));
+      ASSERT_TRUE(triangle_overlaps_cube(a, b, c, center + Vec3{0.5, 0.5, 0.5}, 4.0001));
+    }
+  }
+}
+
 TEST(GrowProperty, TouchingCounts) {
   // In the plane of a face, through an edge, through a corner; and just off each.
   EXPECT_TRUE(triangle_overlaps_cube({1, -9, -9}, {1, 9, -9}, {1, 0, 9}, {0, 0, 0}, 1));

@@ -60,6 +60,15 @@ TEST_F(Adaptive, HoleIsClosedAndOverlapUnited) {
   expect_solid(adapted, fine.after.volume, 1, 2e-3);
 }
 
+// So far from the origin that float32 has steps of a few percent of a cell: facets at cells of two levels collapse, and are not mended.
+TEST_F(Adaptive, FallsBackToFinestCells) {
+  const TriangleSoup far = moved(scaled(icosphere(3), 1), {9594, 0, 0});
+  CleanOptions options = at_resolution(60);
+  options.adapt = Length{0.8, LengthUnit::cells};
+  const RepairReport report = run(far, options);
+  expect_solid(report, signed_volume(far), 1, 0.02);
+}
+
 TEST_F(Adaptive, CellMaxBoundsTheLevels) {
   CleanOptions options = at_resolution(200);
   options.method = Method::level_set;

@@ -63,6 +63,7 @@ struct GrowthOptions {
   int cells_per_side = kBlockSide;  // or 1
   int coarsest_level = 0;           // of octants that meet the surface's band; 0: the uniform finest band
   double band = 3;                  // in cells of each octant's own level
+  std::uint64_t memory_bytes = ~std::uint64_t{0};  // that octree and lists may take, about
 };
 
 struct LevelCount {
