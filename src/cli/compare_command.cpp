@@ -17,7 +17,7 @@ constexpr std::string_view kNotes =
     R"(Lengths: a number in the model's units, or 0.2% of the diagonal of A's box.
 
 Exit codes: 0 compared, and within --max if that is given; 1 farther apart than
---max; 2 usage, 3 input unreadable, 4 output unwritable.
+--max; 2 usage, 3 input unreadable, 4 output unwritable, 130 interrupted.
 
 Examples:
   burnish compare part.stl repaired.stl

@@ -35,7 +35,7 @@ Examples:
 
 Exit codes: 0 done, 1 nodes differ from exact distances by more than allowed,
 2 usage, 3 input unreadable, 4 output unwritable, 5 the input bounds no solid,
-6 memory limit.
+6 memory limit, 130 interrupted.
 )";
 
 constexpr double kLeastBand = 2, kWidestBand = 64;  // cells

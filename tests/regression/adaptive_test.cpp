@@ -1,6 +1,7 @@
 // --adapt, from file to file.
 #include <gtest/gtest.h>
 
+#include "burnish/surface/example_shapes.h"
 #include "support/options_fixture.h"
 #include "support/parts.h"
 
@@ -62,11 +63,14 @@ TEST_F(Adaptive, HoleIsClosedAndOverlapUnited) {
 
 // So far from the origin that float32 has steps of a few percent of a cell: facets at cells of two levels collapse, and are not mended.
 TEST_F(Adaptive, FallsBackToFinestCells) {
-  const TriangleSoup far = moved(scaled(icosphere(3), 1), {9594, 0, 0});
-  CleanOptions options = at_resolution(60);
-  options.adapt = Length{0.8, LengthUnit::cells};
+  const TriangleSoup far = weld(moved(make_example(ExampleShape::vase, {}).dirty, {5117, 0, 0}));
+  CleanOptions options = at_resolution(150);
+  options.adapt = Length{0.3, LengthUnit::cells};
   const RepairReport report = run(far, options);
   expect_solid(report, signed_volume(far), 1, 0.02);
+  EXPECT_FALSE(report.options.adapt);
+  const auto tells = [](const std::string& warning) { return warning.find("--adapt was left out") != std::string::npos; };
+  EXPECT_EQ(std::count_if(report.warnings.begin(), report.warnings.end(), tells), 1);
 }
 
 TEST_F(Adaptive, CellMaxBoundsTheLevels) {

@@ -30,6 +30,9 @@ struct ErrorOptions {
 // Of a surface that is smooth on the scale of a cell the nodes of (a) have the largest error. Beside a coarser leaf, corners
 // that hang are interpolated there: up to twice the tolerance.
 //
+// What it is asked about is an octant as it comes: blocks that the 2:1 balance divides are not asked about again, and at nodes on a block's upper
+// edges and corners the closest facet may be out of its list's reach (band 3), so that the distance there is one to another facet.
+//
 // Signs are those of the closest facet, by angle-weighted pseudonormals at edges and vertices: right for closed surfaces with
 // consistent orientation and shared points. Elsewhere a wrong sign makes the error larger, and the block is divided.
 //
