@@ -56,7 +56,7 @@ Octants parents_around(const Octants& octants, std::uint32_t side) {
   return concatenated(parts);
 }
 
-// refined[l]: the octants of level l that have children, sorted. [T-OCT-4]
+// refined[l]: the octants of level l that have children, sorted. [T-OCT-5]
 std::vector<Octants> refined_octants(int depth, const std::vector<std::uint64_t>& keys) {
   const auto levels = static_cast<std::size_t>(depth) + 1;
   std::vector<Octants> refined(levels);

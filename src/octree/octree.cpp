@@ -1,54 +1,14 @@
 #include "burnish/octree/octree.h"
 
 #include <algorithm>
+#include <utility>
 
-#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 
 namespace burnish {
 namespace {
 
 using morton::Position;
-
-void sort_unique(std::vector<std::uint64_t>& values) {
-  parallel_sort(values);
-  values.erase(std::unique(values.begin(), values.end()), values.end());
-}
-
-// Interleaved positions, one level up, of all octants that touch those of `octants` (themselves included).
-// `side` is the number of octants along the domain at the level of `octants`.
-std::vector<std::uint64_t> parents_of_neighborhood(const std::vector<std::uint64_t>& octants, std::int64_t side) {
-  std::vector<std::uint64_t> parents;
-  parents.reserve(octants.size() * 8);
-  for (const std::uint64_t m : octants) {
-    const Position p = morton::deinterleave(m);
-    // The 27 neighbours have at most 8 parents: per axis, those of p - 1 and p + 1.
-    std::array<std::array<std::int64_t, 2>, 3> range{};
-    const std::array<std::int64_t, 3> at{p.x, p.y, p.z};
-    for (std::size_t a = 0; a < 3; ++a)
-      range[a] = {std::max<std::int64_t>(at[a] - 1, 0) / 2, std::min(at[a] + 1, side - 1) / 2};
-    for (std::int64_t z = range[2][0]; z <= range[2][1]; ++z)
-      for (std::int64_t y = range[1][0]; y <= range[1][1]; ++y)
-        for (std::int64_t x = range[0][0]; x <= range[0][1]; ++x)
-          parents.push_back(morton::interleave({static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y),
-                                                static_cast<std::uint32_t>(z)}));
-  }
-  sort_unique(parents);
-  return parents;
-}
-
-// refined[l]: the octants of level l that have children, sorted; refined[0] is empty. [T-OCT-2]
-std::vector<std::vector<std::uint64_t>> refined_octants(int depth, std::vector<std::uint64_t> finest) {
-  std::vector<std::vector<std::uint64_t>> refined(static_cast<std::size_t>(depth) + 1);
-  if (depth == 0) return refined;
-  for (std::uint64_t& m : finest) m >>= 3;
-  sort_unique(finest);
-  refined[1] = std::move(finest);
-  for (int l = 1; l < depth; ++l)
-    refined[static_cast<std::size_t>(l) + 1] =
-        parents_of_neighborhood(refined[static_cast<std::size_t>(l)], std::int64_t{1} << (depth - l));
-  return refined;
-}
 
 constexpr std::size_t kLinkGrain = 2048;
 
@@ -66,27 +26,8 @@ constexpr std::uint64_t packed(NeighborKind kind, std::uint64_t value) {
 Octree::Octree() : keys_{morton::key(0, 0)} { link(); }
 
 Octree Octree::build(int depth, std::vector<std::uint64_t> finest) {
-  Octree tree;
-  tree.depth_ = depth;
-  const auto refined = refined_octants(depth, std::move(finest));
-  tree.keys_.clear();
-  if (depth == 0 || refined.back().empty()) {
-    tree.keys_.push_back(morton::key(0, depth));
-  }
-  for (int l = 0; l < depth; ++l) {
-    const auto& inner = refined[static_cast<std::size_t>(l)];
-    for (const std::uint64_t parent : refined[static_cast<std::size_t>(l) + 1])
-      for (std::uint64_t child = 0; child < 8; ++child) {
-        const std::uint64_t m = parent << 3 | child;
-        if (!std::binary_search(inner.begin(), inner.end(), m)) tree.keys_.push_back(morton::key(m, l));
-      }
-  }
-  if (tree.keys_.size() >= kNone)
-    throw Error(ErrorCode::memory_limit, "the octree would have more than 2^32 - 2 blocks",
-                "choose a larger --cell or a smaller --resolution");
-  parallel_sort(tree.keys_);
-  tree.link();
-  return tree;
+  for (std::uint64_t& block : finest) block = morton::key(block, 0);
+  return build_graded(depth, std::move(finest));
 }
 
 std::uint32_t Octree::find_key(std::uint64_t key) const {
