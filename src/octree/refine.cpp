@@ -1,5 +1,7 @@
 #include "burnish/octree/refine.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,7 +17,7 @@ namespace {
 
 constexpr std::size_t kFacetGrain = 2048, kOctantGrain = 16;
 constexpr std::uint8_t kNothing = 255;
-constexpr std::uint64_t kBytesPerDivision = 8 * 270;  // keys, links, lists of eight leaves
+constexpr std::uint64_t kBytesPerDivision = 3000;  // keys and links of the octants that one makes, and of the balance around them
 constexpr double kRounding = 1e-6;  // cells
 
 // Octants of one level with their facets.
@@ -155,6 +157,17 @@ class Growth {
     return met;
   }
 
+  // For octants that are about to be divided, and the lists of their children.
+  void require_memory(std::size_t divisions, std::size_t listed) {
+    divisions_ += divisions;
+    listed_ += listed;
+    if (divisions_ * kBytesPerDivision + listed_ * sizeof(std::uint32_t) <= options_.memory_bytes) return;
+    const auto side = static_cast<std::uint64_t>(options_.cells_per_side);
+    throw Error(ErrorCode::memory_limit,
+                fmt::format("the octree would have more than {} cells, too many for the memory budget", 7 * (divisions_ - divisions) * side * side * side),
+                "choose a larger --cell or limits that divide less, or raise --memory");
+  }
+
   // The children of the octants that are divided, without those that no facet meets. [T-REF-2]
   Layer children(const Layer& layer, const std::vector<char>& divided) {
     const std::vector<std::uint8_t> met = all_children_met(layer, divided);
@@ -170,10 +183,7 @@ class Growth {
         },
         kOctantGrain);
     exclusive_scan_in_place(first);
-    planned_bytes_ += first.back() * sizeof(std::uint32_t) + parents.size() * kBytesPerDivision;
-    if (planned_bytes_ > options_.memory_bytes)
-      throw Error(ErrorCode::memory_limit, "the octree would take more than the memory budget",
-                  "choose a larger --cell or limits that divide less, or raise --memory");
+    require_memory(parents.size(), first.back());
     Layer next;
     next.level = layer.level - 1;
     next.facets.resize(first.back());
@@ -230,7 +240,7 @@ class Growth {
   std::vector<std::uint64_t> asked_for_;  // keys of a child of each octant that is divided
   std::vector<std::vector<Layer>> kept_;  // octants that are not, by level
   std::uint64_t divided_to_start_ = 0;
-  std::uint64_t planned_bytes_ = 0;
+  std::uint64_t divisions_ = 0, listed_ = 0;
 };
 
 std::uint64_t cells_cut_in(const OctantFacets& octant) {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <utility>
 
@@ -20,7 +19,6 @@ constexpr int kResolution = 160;           // cells along the longest side
 constexpr double kCoarsest = 1.0 / 5;      // of the longest side
 constexpr std::uint32_t kFaceLimit = 3;
 constexpr double kRefineTol = 2;
-constexpr std::uint64_t kBytesPerDivision = 3000;  // octree and lists, of the octants that one makes and the balance around them
 constexpr double kRounding = 1e-9;         // of a level: quotients of lengths that are powers of two
 
 // The level of the widest cells of at most `widest`.
@@ -28,35 +26,12 @@ int coarsest_level(double widest, double cell) {
   return static_cast<int>(std::floor(std::log2(widest / cell) + kRounding));
 }
 
-// Divides as `criterion` does, and ends the run when the octants of all of them become more than memory holds. Their number, and so
-// whether it ends, does not depend on threads.
-class WithinMemory : public RefinementCriterion {
- public:
-  WithinMemory(const RefinementCriterion& criterion, std::atomic<std::uint64_t>& divided, std::uint64_t most)
-      : criterion_(criterion), divided_(divided), most_(most) {}
-  std::string_view name() const override { return criterion_.name(); }
-  bool divides(const OctantFacets& octant) const override {
-    if (!criterion_.divides(octant)) return false;
-    if (divided_.fetch_add(1, std::memory_order_relaxed) >= most_)
-      throw Error(ErrorCode::memory_limit, fmt::format("the octree would have more than {} cells, too many for the memory budget", 7 * most_),
-                  "choose a larger --cell or limits that divide less, or raise --memory");
-    return true;
-  }
-
- private:
-  const RefinementCriterion& criterion_;
-  std::atomic<std::uint64_t>& divided_;
-  std::uint64_t most_;
-};
-
 AdaptiveGrowth grow_within(std::uint64_t memory_bytes, const TriangleSoup& lattice_soup, int depth, const RefinementLimits& limits, Progress& progress) {
-  std::atomic<std::uint64_t> divided = 0;
   const auto criteria = criteria_of(limits);
-  std::vector<WithinMemory> bounded;
-  for (const auto& criterion : criteria) bounded.emplace_back(*criterion, divided, memory_bytes / kBytesPerDivision);
   std::vector<const RefinementCriterion*> asked;
-  for (const WithinMemory& criterion : bounded) asked.push_back(&criterion);
-  return grow_adaptive(lattice_soup, depth, {.cells_per_side = 1, .coarsest_level = limits.coarsest_level, .band = 0, .memory_bytes = memory_bytes}, asked, progress);
+  for (const auto& criterion : criteria) asked.push_back(criterion.get());
+  return grow_adaptive(lattice_soup, depth, {.cells_per_side = 1, .coarsest_level = limits.coarsest_level, .band = 0, .memory_bytes = memory_bytes},
+                       asked, progress);
 }
 
 // Facets by the leaf that holds their centroid.

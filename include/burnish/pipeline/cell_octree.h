@@ -23,7 +23,7 @@ struct CellOctreeJob {
   std::optional<int> resolution;   // cells along the longest side, 160 when neither is set
   std::optional<Length> cell_max;  // of cells that a facet cuts; a fifth of the longest side when not set
   RefinementLimits limits;         // `coarsest_level` follows from `cell_max`; max_face_limit 3 and refine_tol 2 where no criterion is set
-  // What it may grow to: ended when 3000 bytes for each octant that was divided are more.
+  // What it may grow to: ended when 3000 bytes for each octant that is divided, and the lists, are more.
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
   bool salvage = false;            // take what a broken input file holds
   bool overwrite = false;          // an existing output may be replaced
