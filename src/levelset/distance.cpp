@@ -11,10 +11,7 @@
 namespace burnish {
 namespace {
 
-Vec3 swapped(Vec3 v, int axis) {
-  std::swap(v.x, v[axis]);
-  return v;
-}
+using detail::swapped;
 
 // One leaf while facets are scattered to its nodes.
 //
@@ -54,8 +51,7 @@ class BlockScatter {
 
   void add(std::uint32_t f) {
     const auto local = [&](int i) { return (soup_.corner(f, i) - base_) / cell_; };
-    const Vec3 a = local(0), b = local(1), c = local(2);
-    items_.push_back({{a, b, c}, min(min(a, b), c), max(max(a, b), c), static_cast<double>(f)});
+    items_.push_back(detail::item_of(local(0), local(1), local(2), f));
   }
 
   void swap_axis() {
@@ -64,7 +60,7 @@ class BlockScatter {
       const Vec3 n = cross(item.corners[1] - item.corners[0], item.corners[2] - item.corners[0]);
       across += Vec3{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
     }
-    axis_ = across.x <= across.y && across.x <= across.z ? 0 : across.y <= across.z ? 1 : 2;
+    axis_ = detail::row_axis(across);
     if (axis_ == 0) return;
     for (detail::ScatterItem& item : items_) {
       for (Vec3& corner : item.corners) corner = swapped(corner, axis_);

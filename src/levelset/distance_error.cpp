@@ -18,10 +18,7 @@ constexpr double kUnknown = std::numeric_limits<double>::infinity();
 constexpr double kCellDiagonal = 1.7321;  // of a unit cell: the corners of cells with a point of the surface are nearer
 constexpr std::size_t kBatch = 256;  // facets scattered at a time
 
-Vec3 swapped(Vec3 v, int axis) {
-  std::swap(v.x, v[axis]);
-  return v;
-}
+using detail::swapped;
 
 // Nodes of a block cut into n^3 cells, upper faces included: i + (n + 1) (j + (n + 1) k).
 using NodeValues = std::vector<double>;
@@ -83,7 +80,7 @@ class NodeDistances {
       const Vec3 n = facet_normal_2a(octant_.soup, f);
       across += Vec3{std::abs(n.x), std::abs(n.y), std::abs(n.z)};
     }
-    axis_ = across.x <= across.y && across.x <= across.z ? 0 : across.y <= across.z ? 1 : 2;
+    axis_ = detail::row_axis(across);
   }
 
   void scatter(double reach) {
@@ -92,8 +89,7 @@ class NodeDistances {
       items.clear();
       for (const std::uint32_t f : octant_.facets.subspan(first, std::min(kBatch, octant_.facets.size() - first))) {
         const auto local = [&](int i) { return swapped((octant_.soup.corner(f, i) - octant_.corner) / spacing_, axis_); };
-        const Vec3 a = local(0), b = local(1), c = local(2);
-        items.push_back({{a, b, c}, min(min(a, b), c), max(max(a, b), c), static_cast<double>(f)});
+        items.push_back(detail::item_of(local(0), local(1), local(2), f));
       }
       detail::scatter(items.data(), items.size(), std::min(0.5, reach), nodes_);
       detail::scatter(items.data(), items.size(), reach, nodes_);

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 
 #include "burnish/core/vec.h"
 #include "burnish/octree/field.h"
@@ -44,6 +45,19 @@ struct ScatterItem {
   Vec3 low, high;
   double facet;
 };
+
+// Rows run along the axis to which the surface is most parallel: x and that axis change places. `across`: the sum of the facets'
+// |normals|, component by component.
+inline int row_axis(const Vec3& across) {
+  return across.x <= across.y && across.x <= across.z ? 0 : across.y <= across.z ? 1 : 2;
+}
+inline Vec3 swapped(Vec3 v, int axis) {
+  std::swap(v.x, v[axis]);
+  return v;
+}
+inline ScatterItem item_of(const Vec3& a, const Vec3& b, const Vec3& c, std::uint32_t facet) {
+  return {{a, b, c}, min(min(a, b), c), max(max(a, b), c), static_cast<double>(facet)};
+}
 
 // Where the squared distance of a node to an item is below what it has, replaces that, and sets its id. Rows whose box distance
 // to the item's box is above `reach`, or no less than the largest of the row's distances, are skipped: nothing changes there, or another

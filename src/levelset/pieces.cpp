@@ -13,33 +13,8 @@ namespace {
 
 constexpr std::size_t kGrain = 64;
 
-// Union-find over the runs of uncrossed x edges in one block.
-class RunForest {
- public:
-  std::uint16_t add() {
-    parent_[size_] = size_;
-    return size_++;
-  }
-  std::uint16_t find(std::uint16_t run) {
-    while (parent_[run] != run) run = parent_[run] = parent_[parent_[run]];
-    return run;
-  }
-  // The earlier run represents both.
-  void unite(std::uint16_t a, std::uint16_t b) {
-    a = find(a);
-    b = find(b);
-    if (a < b) std::swap(a, b);
-    parent_[a] = b;
-  }
-  std::uint16_t size() const { return size_; }
-
- private:
-  std::array<std::uint16_t, kBlockNodes> parent_;
-  std::uint16_t size_ = 0;
-};
-
 // Unites the runs that edges along one axis join.
-void unite_along(const std::uint8_t* crossed, const std::uint16_t* run, std::size_t stride, std::uint8_t bit, RunForest& forest) {
+void unite_along(const std::uint8_t* crossed, const std::uint16_t* run, std::size_t stride, std::uint8_t bit, UnionFind& forest) {
   std::uint32_t last = 0xffffffffu;
   for (std::size_t n = 0; n + stride < kBlockNodes; ++n) {
     if (n / stride % kBlockSide == kBlockSide - 1 || (crossed[n] & bit)) continue;
@@ -126,17 +101,19 @@ std::uint16_t label_block(const std::uint8_t* crossed, std::uint16_t* label) {
     std::fill_n(label, kBlockNodes, std::uint16_t{0});
     return 1;
   }
-  RunForest forest;
+  // Runs of uncrossed x edges first; then what edges along y and z join.
+  std::uint16_t runs = 0;
   for (std::size_t n = 0; n < kBlockNodes; ++n) {
     const bool goes_on = n % kBlockSide != 0 && !(crossed[n - 1] & 1u);
-    label[n] = goes_on ? label[n - 1] : forest.add();
+    label[n] = goes_on ? label[n - 1] : runs++;
   }
+  UnionFind forest(runs);
   unite_along(crossed, label, kBlockSide, 2, forest);
   unite_along(crossed, label, std::size_t{kBlockSide} * kBlockSide, 4, forest);
   std::array<std::uint16_t, kBlockNodes> number;
   std::uint16_t count = 0;
-  for (std::uint16_t run = 0; run < forest.size(); ++run) {
-    const std::uint16_t root = forest.find(run);
+  for (std::uint16_t run = 0; run < runs; ++run) {
+    const std::uint32_t root = forest.find(run);
     number[run] = root == run ? count++ : number[root];
   }
   for (std::size_t n = 0; n < kBlockNodes; ++n) label[n] = number[label[n]];
