@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "burnish/core/parallel.h"
+#include "pde_redistance.h"
 #include "tricubic.h"
 
 namespace burnish {
@@ -256,10 +257,33 @@ class Redistancer {
 
 }  // namespace
 
+std::string_view name(RedistanceMethod method) {
+  switch (method) {
+    case RedistanceMethod::closest: return "closest";
+    case RedistanceMethod::fmm: return "fmm";
+    case RedistanceMethod::pde_weno5: return "pde-weno5";
+    case RedistanceMethod::pde_first: return "pde-first";
+  }
+  return "";
+}
+
+template <class T>
+RedistanceResult redistance(BasicLevelSet<T>& level_set, const RedistanceOptions& options, Progress& progress) {
+  if (options.method == RedistanceMethod::pde_weno5 || options.method == RedistanceMethod::pde_first)
+    return detail::pde_redistance(level_set, options, progress);
+  Redistancer<T>(level_set, options.reach, progress).run();
+  return {};
+}
+
 template <class T>
 void redistance(BasicLevelSet<T>& level_set, double reach, Progress& progress) {
-  Redistancer<T>(level_set, reach, progress).run();
+  RedistanceOptions options;
+  options.reach = std::min(level_set.band, reach);
+  redistance(level_set, options, progress);
 }
+
+template RedistanceResult redistance(BasicLevelSet<float>&, const RedistanceOptions&, Progress&);
+template RedistanceResult redistance(BasicLevelSet<double>&, const RedistanceOptions&, Progress&);
 
 template void redistance(BasicLevelSet<float>&, double, Progress&);
 template void redistance(BasicLevelSet<double>&, double, Progress&);

@@ -6,31 +6,14 @@
 #include <cstring>
 #include <optional>
 
+#include "lattice_lookup.h"
+
 namespace burnish {
 namespace {
 
-morton::Position block_of(const LatticeNode& node) {
-  return {static_cast<std::uint32_t>(node.x) / kBlockSide, static_cast<std::uint32_t>(node.y) / kBlockSide,
-          static_cast<std::uint32_t>(node.z) / kBlockSide};
-}
-
-LatticeNode clamped(const Octree& tree, LatticeNode node) {
-  const auto last = static_cast<std::int32_t>(tree.side()) * kBlockSide - 1;
-  return {std::clamp(node.x, 0, last), std::clamp(node.y, 0, last), std::clamp(node.z, 0, last)};
-}
+using namespace detail;
 
 double lerp(double a, double b, double t) { return a + t * (b - a); }
-
-// Where the copied range of one axis lies: in the halo below, in the block, in the halo above.
-struct Range {
-  int begin, end;
-};
-
-Range halo_range(int offset, int width) {
-  if (offset < 0) return {-width, 0};
-  if (offset > 0) return {kBlockSide, kBlockSide + width};
-  return {0, kBlockSide};
-}
 
 // `node_value` of a node in the given leaf, without a search, if all corners it needs are the leaf's own.
 template <class T>
@@ -83,26 +66,18 @@ namespace {
 // node_value with a leaf to start the search from.
 template <class T>
 double node_value_near(const Octree& tree, const Field<T>& field, std::uint32_t near, const LatticeNode& node) {
-  const LatticeNode inside = clamped(tree, node);
-  const std::uint32_t leaf = tree.find_near(near, block_of(inside));
-  const int l = tree.level(leaf);
-  const morton::Position c = tree.corner(leaf);
-  const std::int32_t mask = (1 << l) - 1;
-  const std::array<std::int32_t, 3> local{inside.x - static_cast<std::int32_t>(c.x) * kBlockSide,
-                                          inside.y - static_cast<std::int32_t>(c.y) * kBlockSide,
-                                          inside.z - static_cast<std::int32_t>(c.z) * kBlockSide};
   // Beyond the wall there is no node to interpolate to: the coarse node below continues.
-  const bool beyond = inside.x != node.x || inside.y != node.y || inside.z != node.z;
-  if (beyond || ((local[0] | local[1] | local[2]) & mask) == 0)
-    return field.block(leaf)[node_index(local[0] >> l, local[1] >> l, local[2] >> l)];
-  if (const auto quick = value_within(tree, field, leaf, inside)) return *quick;
+  const LocatedNode located = locate(tree, near, node);
+  const std::uint32_t leaf = located.leaf;
+  if (located.is_stored()) return field.block(leaf)[located.place()];
+  if (const auto quick = value_within(tree, field, leaf, node)) return *quick;
   std::array<std::array<std::int32_t, 2>, 3> ends{};
   std::array<double, 3> t{};
-  const std::array<std::int32_t, 3> at{inside.x, inside.y, inside.z};
+  const std::array<std::int32_t, 3> at{node.x, node.y, node.z};
   for (std::size_t a = 0; a < 3; ++a) {
-    const std::int32_t rest = local[a] & mask;
-    ends[a] = {at[a] - rest, at[a] - rest + (rest ? mask + 1 : 0)};
-    t[a] = static_cast<double>(rest) / (mask + 1);
+    const std::int32_t rest = located.local[a] & located.mask;
+    ends[a] = {at[a] - rest, at[a] - rest + (rest ? located.mask + 1 : 0)};
+    t[a] = static_cast<double>(rest) / (located.mask + 1);
   }
   const auto corner_value = [&](int x, int y, int z) {  // [T-HALO-1]
     return node_value_near(tree, field, leaf, {ends[0][static_cast<std::size_t>(x)], ends[1][static_cast<std::size_t>(y)],

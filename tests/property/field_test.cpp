@@ -177,5 +177,71 @@ TEST(FieldOrder, SamplesAreSecondOrderAcrossLevelJumps) {
   EXPECT_GE(std::log2(middle / fine), 1.9) << middle << " -> " << fine;
 }
 
+// A polynomial of this degree in each variable, with coefficients that depend on the seed.
+double polynomial(int degree, unsigned seed, const LatticeNode& n) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> any(-1, 1);
+  double sum = 0;
+  for (int c = 0; c <= degree; ++c)
+    for (int b = 0; b <= degree; ++b)
+      for (int a = 0; a <= degree; ++a) sum += any(random) * std::pow(n.x / 32.0 - 1, a) * std::pow(n.y / 32.0 - 1, b) * std::pow(n.z / 32.0 - 1, c);
+  return sum;
+}
+
+TEST(GatherSmooth, ReproducesPolynomialsAcrossLevelJumps) {
+  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    std::mt19937 random(seed);
+    const Octree tree = random_octree(random, 3, 12);
+    for (const auto& [order, degree] : {std::pair{HaloOrder::cubic, 3}, std::pair{HaloOrder::quintic, 5}}) {
+      Field<double> field(tree.size(), 0);
+      for (std::size_t leaf = 0; leaf < tree.size(); ++leaf)
+        for (int n = 0; n < 512; ++n) field.block(leaf)[n] = polynomial(degree, seed, lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64));
+      constexpr int width = 4, side = 8 + 2 * width, last = 64;
+      std::vector<double> dense(side * side * side);
+      int interpolated = 0;
+      for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) {
+        gather_smooth(tree, field, leaf, width, order, dense.data());
+        for (int k = -width; k < 8 + width; ++k)
+          for (int j = -width; j < 8 + width; ++j)
+            for (int i = -width; i < 8 + width; ++i) {
+              const LatticeNode node = lattice_node(tree, leaf, i, j, k);
+              // Stencils must not meet the walls, where fields go on as constants: three coarse cells.
+              const int room = 6 << (tree.level(leaf) + 1);
+              if (std::min({node.x, node.y, node.z}) < room || std::max({node.x, node.y, node.z}) > last - room) continue;
+              const double value = dense[static_cast<std::size_t>((i + width) + side * ((j + width) + side * (k + width)))];
+              const double exact = polynomial(degree, seed, node);
+              ASSERT_NEAR(value, exact, 1e-10) << i << " " << j << " " << k;
+              interpolated += value != exact;
+            }
+      }
+      EXPECT_GT(interpolated, 100);
+    }
+  }
+}
+
+TEST(GatherSmooth, CopiesWhatIsStored) {
+  std::mt19937 random(5);
+  const Octree tree = random_octree(random, 3, 12);
+  Field<float> field(tree.size(), 0);
+  std::uniform_real_distribution<float> any(-1, 1);
+  for (float& v : field.values()) v = any(random);
+  constexpr int width = 3, side = 8 + 2 * width;
+  std::vector<float> dense(side * side * side);
+  for (std::size_t leaf = 0; leaf < tree.size(); ++leaf) {
+    gather_smooth(tree, field, leaf, width, HaloOrder::cubic, dense.data());
+    for (int k = -width; k < 8 + width; ++k)
+      for (int j = -width; j < 8 + width; ++j)
+        for (int i = -width; i < 8 + width; ++i) {
+          const LatticeNode node = lattice_node(tree, leaf, i, j, k);
+          if (std::min({node.x, node.y, node.z}) < 0 || std::max({node.x, node.y, node.z}) >= 64) continue;
+          const std::uint32_t at = tree.find({static_cast<std::uint32_t>(node.x) / 8, static_cast<std::uint32_t>(node.y) / 8, static_cast<std::uint32_t>(node.z) / 8});
+          const int mask = (1 << tree.level(at)) - 1;
+          if (((node.x | node.y | node.z) & mask) != 0) continue;
+          ASSERT_EQ(dense[static_cast<std::size_t>((i + width) + side * ((j + width) + side * (k + width)))], node_value(tree, field, node));
+        }
+  }
+}
+
 }  // namespace
 }  // namespace burnish

@@ -1,21 +1,49 @@
 // Redistancing: turning any level set function back into the signed distance to its zero surface.
 #pragma once
 
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
 #include "burnish/core/progress.h"
 #include "burnish/levelset/level_set.h"
 
 namespace burnish {
 
-// Replaces phi by the signed distance to the surface phi = 0, clamped to +-min(band, reach) cells, in all leaves of level
-// 0. The surface itself stays where it is to third order.
-//
-// 1. Nodes of cells that the surface cuts: Newton's method for the closest point on a tricubic interpolant of phi
-//    (Chopp 2001, sec. 2.1; Saye 2014): y <- y - phi g / |g|^2 + (x - y) - ((x - y).g) g / |g|^2 with g = grad phi(y).
-//    Where it does not converge within two cells (kinks), the closest crossing of the axis edges around.
-// 2. Outwards, layer by layer: a node takes the closest of its neighbours' closest points (vector distance
-//    propagation), which is second order away from the medial axis.
-//
-// Same bits for any number of threads.
+enum class RedistanceMethod : std::uint8_t {
+  closest,    // Newton's method for the closest point of a tricubic interpolant; the default
+  fmm,        // closest points beside the surface, marched outwards from there
+  pde_weno5,  // phi_t = S (1 - |grad phi|), HJ-WENO5 with TVD-RK3
+  pde_first,  // the same of first order (the thesis' 2.7 and 2.8)
+};
+
+std::string_view name(RedistanceMethod method);  // "closest", "fmm", "pde-weno5", "pde-first"
+
+struct RedistanceOptions {
+  RedistanceMethod method = RedistanceMethod::closest;
+  // Afterwards |phi| ends at this many cells of each leaf's own level. Infinite: nowhere.
+  double reach = std::numeric_limits<double>::infinity();
+  // Nodes with a value other than 0 keep phi as it is: the thesis' ACCEPTED values, Dirichlet data. In phi's layout. Without
+  // it the surface is that of phi's interpolant.
+  const Field<std::uint8_t>* accepted = nullptr;
+  // Of the PDE only: steps that are taken at most (0: as many as the reach, or the domain, needs), and the rms change of a step,
+  // relative to the step in pseudo-time, at which phi counts as steady.
+  int most_steps = 0;
+  double steady = 1e-6;
+};
+
+struct RedistanceResult {
+  int steps = 0;        // of the PDE
+  double residual = 0;  // of its last step
+  bool steady = true;
+};
+
+// Replaces phi by the signed distance to the surface phi = 0 in all leaves that store values, of any level. Signs stay.
+// Same bits for any number of threads. Throws Error{interrupted}.
+template <class T>
+RedistanceResult redistance(BasicLevelSet<T>& level_set, const RedistanceOptions& options, Progress& progress = no_progress());
+
+// By closest points, up to min(band, reach) cells.
 template <class T>
 void redistance(BasicLevelSet<T>& level_set, double reach, Progress& progress = no_progress());
 template <class T>

@@ -6,7 +6,7 @@
 //
 // **Halo.** Kernels copy a block and W layers around it into a dense array and run there. A halo node that
 // some leaf stores is copied (same level) or injected (finer: nodes coincide); one that no leaf stores,
-// because its leaf is coarser, is interpolated trilinearly from the coarse cell's corners: second order.
+// because its leaf is coarser, is interpolated trilinearly from the coarse cell's corners: second order (`gather_smooth`: of higher order).
 // Every reader gets the bitwise same value for the same lattice node, from one function, `node_value`.
 // Beyond the domain's walls the nearest stored node's value continues.
 #pragma once
@@ -138,5 +138,15 @@ double sample(const Octree& tree, const Field<T>& field, double x, double y, dou
 // so that node (i, j, k) stands at (i + width, j + width, k + width).
 template <class T>
 void gather(const Octree& tree, const Field<T>& field, std::size_t leaf, int width, T* dense);
+
+// How nodes of coarser leaves are interpolated for a halo: by the tensor product of Lagrange polynomials through this many of
+// the coarse nodes along each axis. With h the finer cell, cubic is off by about 0.4 h^4 and quintic by 0.3 h^6 times the derivative of that order, so that
+// second differences across a level jump are of second and of fourth order. Quintic looks three coarse cells far.
+enum class HaloOrder { cubic = 4, quintic = 6 };
+
+// `gather` for kernels of high order: halo nodes that no leaf stores are interpolated as above from the coarse lattice, which itself
+// is copied, injected or interpolated. [T-HALO-2] Nodes inside leaves that store nothing have the uniform value.
+template <class T>
+void gather_smooth(const Octree& tree, const Field<T>& field, std::size_t leaf, int width, HaloOrder order, T* dense);
 
 }  // namespace burnish

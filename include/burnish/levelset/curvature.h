@@ -1,0 +1,46 @@
+// Curvature of the zero surface.
+//
+// Convention [T-CONV-3]: principal curvatures with respect to the outward normal, positive where the solid is convex: a ball of radius R
+// has k1 = k2 = 1/R. Their sum is kappa of the thesis' tables, half of it the mean curvature, their product the Gaussian. Lengths are finest cells.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "burnish/core/progress.h"
+#include "burnish/core/vec.h"
+#include "burnish/levelset/level_set.h"
+
+namespace burnish {
+
+// The order in h of curvatures where phi is a smooth distance.
+enum class CurvatureOrder : std::uint8_t { second = 2, fourth = 4, sixth = 6 };
+
+// Cells (of the leaf's level) around the surface in which phi has to be a distance: what stencils reach.
+double curvature_band(CurvatureOrder order);
+
+struct FrontCurvature {
+  Vec3 foot;                        // on the surface, lattice units
+  Vec3 normal;                      // outward, unit
+  double k1 = 0, k2 = 0;            // k1 >= k2, per finest cell
+  Vec3 direction1, direction2;      // unit, tangential; direction1 x direction2 = normal
+  bool converged = false;           // false: there is no surface near, or a kink; the rest is of no value then
+
+  double mean() const { return 0.5 * (k1 + k2); }
+  double gaussian() const { return k1 * k2; }
+};
+
+// Direct front curvature (after Herrmann 2008): from derivatives of phi's interpolant at the closest points of the surface to `points` (lattice
+// units, within a cell or so of it).
+template <class T>
+std::vector<FrontCurvature> front_curvature(const BasicLevelSet<T>& level_set, std::span<const Vec3> points, CurvatureOrder order,
+                                            Progress& progress = no_progress());
+
+// kappa = k1 + k2 of the level set through each node, by central differences there: of first order as an estimate of the surface's curvature, for
+// comparison. Orders second and fourth; nodes beyond the band get 0.
+template <class T>
+Field<T> nodal_curvature(const BasicLevelSet<T>& level_set, CurvatureOrder order, Progress& progress = no_progress());
+
+}  // namespace burnish
