@@ -55,6 +55,7 @@ class LinkCurve {
   bool branches_ = false;
 };
 
+// [T-SNAP-2]
 bool surface_is_a_disc(const std::array<Side, kNeighbors>& side) {
   LinkCurve curve;
   // Link edges between two nodes on the surface: which sides the two triangles beside them see.
@@ -87,6 +88,7 @@ bool surface_is_a_disc(const std::array<Side, kNeighbors>& side) {
 
 }  // namespace
 
+// [T-SNAP-1]
 Move best_move(const LatticeView& view, LocalNode n) {
   if (view.plain[LatticeView::at(n)]) return kStays;
   const Side here = view.sign(n);

@@ -24,7 +24,7 @@ constexpr int edge_number(int a, int b) {
 }
 
 // The six tetrahedra 0 -> unit(i) -> unit(i) + unit(j) -> 7, corners numbered x + 2 y + 4 z, positively oriented
-// with (v1 - v0, v2 - v0, v3 - v0) a right-handed frame. `path` is the order along the diagonal.
+// with (v1 - v0, v2 - v0, v3 - v0) a right-handed frame. `path` is the order along the diagonal. [T-MT-1]
 struct KuhnTetrahedron {
   std::array<int, 4> corners;  // positively oriented
   std::array<int, 4> path;     // 0 = path[0] < ... < path[3] = 7
@@ -79,7 +79,7 @@ inline constexpr auto kStar = make_star();
 // The other corners of vertex i's tetrahedron, so that (i, others...) is an even permutation of 0..3.
 inline constexpr std::array<std::array<int, 3>, 4> kEven{{{1, 2, 3}, {0, 3, 2}, {0, 1, 3}, {0, 2, 1}}};
 
-// Cuts a positively oriented tetrahedron whose corners are on the given sides.
+// Cuts a positively oriented tetrahedron whose corners are on the given sides. [T-MT-2]
 //
 // vertex(i, j): the surface vertex between corners i and j, which is the corner itself where one of the two is on the
 // surface. opposite_out(i): for a tetrahedron with the three corners other than i on the surface and i inside,

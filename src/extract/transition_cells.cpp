@@ -25,7 +25,7 @@ Vec3 to_vec(const LatticeNode& n) { return {static_cast<double>(n.x), static_cas
 Vec3 crossing_between(const ValuedNode& a, const ValuedNode& b) {
   const ValuedNode &low = before(a.at, b.at) ? a : b, &high = before(a.at, b.at) ? b : a;
   const double zero = low.plain || high.plain ? 0.5 : low.phi / (low.phi - high.phi);
-  const double t = std::clamp(zero, LatticeView::kLeastShare, 1 - LatticeView::kLeastShare);
+  const double t = std::clamp(zero, LatticeView::kLeastShare, 1 - LatticeView::kLeastShare);  // [T-MT-3]
   const Vec3 p = to_vec(low.at), q = to_vec(high.at);
   return {p.x + t * (q.x - p.x), p.y + t * (q.y - p.y), p.z + t * (q.z - p.z)};
 }
@@ -44,7 +44,7 @@ bool is_marked(const Octree& tree, const Field<std::uint8_t>& marked, const Latt
 }
 
 // One cell of a leaf with its 27 possible nodes: corners, edge middles, face centres, centre. Node (i, j, k), each 0..2,
-// stands half a cell apart.
+// stands half a cell apart. [T-MT-4]
 template <class T>
 class TransitionCell {
  public:

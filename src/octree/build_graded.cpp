@@ -32,7 +32,7 @@ Octants concatenated(std::vector<Octants>& parts) {
   return all;
 }
 
-// The parents of the 27 octants around one: at most 8, per axis those of p - 1 and p + 1.
+// The parents of the 27 octants around one: at most 8, per axis those of p - 1 and p + 1. [T-OCT-2]
 void add_parents_around(std::uint64_t octant, std::uint32_t side, Octants& parents) {
   const morton::Position p = morton::deinterleave(octant);
   const auto range = [side](std::uint32_t at) {

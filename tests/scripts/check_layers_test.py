@@ -13,8 +13,8 @@ class CheckLayers(unittest.TestCase):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
         self.root = Path(folder.name)
-        self.write("docs/theory.md", "The distance [T-DIST-1].\n")
-        self.write("include/burnish/surface/inspect.h", '#include "burnish/core/vec.h"\n')
+        self.write("docs/theory.md", "**[T-DIST-1]** The distance.\n")
+        self.write("include/burnish/surface/inspect.h", '#include "burnish/core/vec.h"\n// [T-DIST-1]\n')
         self.write("include/burnish/pipeline/check.h", '#include "burnish/surface/inspect.h"\n')
 
     def write(self, name, text):
@@ -74,6 +74,14 @@ class CheckLayers(unittest.TestCase):
         self.assert_found("include/burnish/core/long.h:250: 250 lines; below 250 is the limit",
                           "src/core/long.cpp:500: 500 lines; below 500 is the limit",
                           "src/levelset/sign.cpp:1: [T-SIGN-9] is not in docs/theory.md")
+
+    def test_definitions_of_tags(self):
+        self.write("docs/theory.md", "**[T-DIST-1]** As in [T-SIGN-2].\n\n**[T-SIGN-1]** Sides.\n**[T-DIST-1]** Again.\n")
+        self.write("tests/unit/sign_test.cpp", "// [T-SIGN-1]\n")
+        self.write("src/levelset/sign.cpp", "// [T-SIGN-2]\n")
+        self.assert_found("src/levelset/sign.cpp:1: [T-SIGN-2] is not in docs/theory.md",
+                          "docs/theory.md:3: [T-SIGN-1] is cited by no source",
+                          "docs/theory.md:4: [T-DIST-1] is defined twice")
 
     def test_nothing_to_check_is_a_failure(self):
         with tempfile.TemporaryDirectory() as empty:
