@@ -23,6 +23,8 @@ constexpr int kFineSteps = 6;
 constexpr double kFineFourth = 1e-6, kFineSixth = 1e-8;  // cells
 constexpr double kUnsettled = 0.05;     // cells: between two cells, where gradients jump, steps can go to and fro; larger ones are kinks
 constexpr double kFlattest = 0.75, kSteepest = 4.0 / 3;  // |grad phi|
+constexpr double kSmooth = 0.1;         // where second derivatives of high and of second order differ by more of themselves, phi has a kink nearby,
+constexpr double kFlat = 0.02;          // or of more than this times it, per cell, where they are small
 constexpr double kSharpest = 2;         // the largest curvature that a lattice can show, per cell
 constexpr std::size_t kGrain = 4;       // leaves
 
@@ -161,7 +163,21 @@ class FrontCurvatures {
       if (!(squared_norm(move) < longest * longest)) return 0;
       if (squared_norm(move) < fine * fine) break;
     }
-    return order;
+    return is_smooth(block, y, jet) ? order : 2;
+  }
+
+  // [T-CURV-7] Where the stencil seems to reach over a kink, derivatives of second order take the jet's place.
+  static bool is_smooth(const JetBlock& block, const Vec3& y, Jet& jet) {
+    const auto size = [](double xx, double yy, double zz, double xy, double xz, double yz) {
+      return xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz);
+    };
+    Jet low;
+    jet_of_second_order(block, y, low);
+    const double difference = size(jet.xx - low.xx, jet.yy - low.yy, jet.zz - low.zz, jet.xy - low.xy, jet.xz - low.xz, jet.yz - low.yz);
+    const double most = kSmooth * (std::sqrt(size(low.xx, low.yy, low.zz, low.xy, low.xz, low.yz)) + kFlat);
+    if (difference <= most * most) return true;
+    jet = low;
+    return false;
   }
 
   // [T-CURV-5] `along`: from the foot as it is to the point.
