@@ -115,7 +115,7 @@ TEST(FrontCurvature, HasNoAnswerWhereThereIsNone) {
   const auto set = uniform_level_set(8, ball);
   const double nan = std::numeric_limits<double>::quiet_NaN();
   // Too far, the middle, outside the domain, no point at all.
-  for (const FrontCurvature& f : curvatures(set, {kCenter + Vec3{19, 0, 0}, kCenter, {-1, 3, 3}, {64, 3, 3}, {nan, 3, 3}, {1e300, 0, 0}}, CurvatureOrder::fourth))
+  for (const FrontCurvature& f : curvatures(set, {kCenter + Vec3{16.2, 0, 0}, kCenter + Vec3{11, 0, 0}, kCenter, {-1, 3, 3}, {64, 3, 3}, {nan, 3, 3}, {1e300, 0, 0}}, CurvatureOrder::fourth))
     EXPECT_FALSE(f.converged);
   EXPECT_TRUE(front_curvature(set, std::span<const Vec3>(), CurvatureOrder::fourth).empty());
 }
@@ -153,6 +153,21 @@ TEST(FrontCurvature, FallsBackWhereStencilsMeetClampedValues) {
   std::size_t converged = 0;
   for (const FrontCurvature& f : curvatures(uniform_level_set(1.4, ball), points, CurvatureOrder::sixth)) converged += f.converged;
   EXPECT_EQ(converged, 0u);
+}
+
+// Two balls 3.6 cells apart, and between them a kink of phi at x = 31.2: nodes 28 to 31 see nothing of it, 27 to 32 and 26 to 33 do. [T-CURV-7]
+TEST(FrontCurvature, FallsBackBesideKinks) {
+  const Vec3 apart{(14 + 3.6 + 14) / 2, 0, 0};
+  const auto set = uniform_level_set(12, [&](const Vec3& p) { return std::max(ball(p + apart), ball(p - apart)); });
+  const Vec3 between = kCenter - Vec3{1.8, 0, 0}, beside = kCenter - apart + Vec3{-2, 13.9, 0};
+  for (const CurvatureOrder order : {CurvatureOrder::second, CurvatureOrder::fourth, CurvatureOrder::sixth}) {
+    const auto found = curvatures(set, {between, beside}, order);
+    ASSERT_TRUE(found[0].converged && found[1].converged);
+    EXPECT_EQ(found[0].order, 2);
+    EXPECT_NEAR(found[0].k1 * 14, 1, 0.01);
+    EXPECT_NEAR(found[0].k2 * 14, 1, 0.01);
+    EXPECT_EQ(found[1].order, static_cast<int>(order));
+  }
 }
 
 TEST(FrontCurvature, FallsBackAtWalls) {
