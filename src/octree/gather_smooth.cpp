@@ -126,8 +126,12 @@ void gather_smooth_with(const Octree& tree, const Field<T>& field, std::size_t l
       for (int k = halo[2].begin; k < halo[2].end; ++k)
         for (int j = halo[1].begin; j < halo[1].end; ++j)
           std::memcpy(&at(halo[0].begin, j, k), source + node_index(halo[0].begin - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz), run);
-    } else if (kind == NeighborKind::coarser && field.stores(tree.neighbor(leaf, dir))) {
-      fill(CoarsePatch<points, T>(tree, field, leaf, tree.neighbor(leaf, dir), halo));
+    } else if (kind == NeighborKind::coarser) {
+      const std::uint32_t coarse = tree.neighbor(leaf, dir);
+      if (field.stores(coarse))
+        fill(CoarsePatch<points, T>(tree, field, leaf, coarse, halo));
+      else
+        fill([value = field.block(coarse)[0]](int, int, int) { return value; });
     } else {
       fill([&](int i, int j, int k) { return smooth_value<points>(tree, field, static_cast<std::uint32_t>(leaf), lattice_node(tree, leaf, i, j, k)); });
     }
