@@ -6,14 +6,7 @@
 #include <cstring>
 #include <new>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__clang__)
-#define BURNISH_DISPATCH __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define BURNISH_DISPATCH
-#endif
-// Inlined into every clone, so that it is compiled for that clone's processor.
-#define BURNISH_INLINE inline __attribute__((always_inline))
+#include "kernel_rows.h"
 
 namespace burnish::detail {
 namespace {
@@ -23,19 +16,9 @@ constexpr double kFlat = 1e-22;
 // Triangles whose height over their longest side is above the root of this have unit vectors good to 1e-13.
 constexpr double kWellShaped = 1e-6;
 
-// Eight doubles in vector registers of whatever width the processor has (GCC's and Clang's vector extension: loops of
-// eight are unrolled before they are vectorised).
-typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
-typedef std::int64_t Mask __attribute__((vector_size(kBlockSide * sizeof(std::int64_t))));
 typedef std::int8_t Bytes __attribute__((vector_size(kBlockSide)));
 
 BURNISH_INLINE Row row_of(double v) { return Row{} + v; }
-BURNISH_INLINE Row load(const double* from) {
-  Row row;
-  std::memcpy(&row, from, sizeof row);
-  return row;
-}
-BURNISH_INLINE void store(const Row& row, double* to) { std::memcpy(to, &row, sizeof row); }
 
 // A byte per lane, 0xff where the mask is set; lane 0 lowest.
 BURNISH_INLINE std::uint64_t bytes_of(const Mask& mask) {
