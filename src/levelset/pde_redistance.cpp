@@ -18,6 +18,7 @@ constexpr double kWenoCourant = 0.6, kFirstCourant = 0.5;  // [T-PDE-7]
 constexpr int kMargin = 3;       // cells beyond the reach that are computed, so that no kink is seen within it
 constexpr double kPatience = 2;  // steps allowed, in parts of those that information needs
 constexpr int kSettling = 60;    // steps allowed besides
+constexpr double kRough = 1e-3;  // the residual at which distances of first order are good enough for WENO5 to start from
 constexpr std::size_t kGrain = 8;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -134,20 +135,36 @@ class PdeRedistancer {
     find_surface();
     start();
     RedistanceResult result;
-    const int most = options_.most_steps > 0 ? options_.most_steps : steps_needed();
-    result.steady = false;
-    while (result.steps < most && !result.steady) {
-      find_active();
-      result.residual = first_order_ ? euler_step() : runge_kutta_step();
-      result.steady = result.residual < options_.steady;
-      ++result.steps;
-      progress_.update(static_cast<double>(result.steps) / most);
+    if (first_order_ || options_.most_steps > 0) {
+      advance(options_.most_steps > 0 ? options_.most_steps : steps_needed(), options_.steady, result);
+    } else {
+      // From distances of first order, whatever phi was: the scheme of high order has no maximum principle. [T-PDE-10]
+      use_first_order(true);
+      advance(steps_needed(), kRough, result);
+      use_first_order(false);
+      advance(steps_needed(), options_.steady, result);
     }
     finish();
     return result;
   }
 
  private:
+  void use_first_order(bool first_order) {
+    first_order_ = first_order;
+    courant_ = first_order ? kFirstCourant : kWenoCourant;
+    for (const std::uint32_t leaf : leaves_) rest(leaf);
+  }
+
+  void advance(int most, double steady, RedistanceResult& result) {
+    result.steady = false;
+    for (int step = 0; step < most && !result.steady; ++step) {
+      find_active();
+      result.residual = first_order_ ? euler_step() : runge_kutta_step();
+      result.steady = result.residual < steady;
+      ++result.steps;
+    }
+  }
+
   double scale(std::size_t leaf) const { return 1 << tree_.level(leaf); }
 
   // Accepted nodes, cut nodes, held nodes: all that kernels have to leave alone.
@@ -159,7 +176,7 @@ class PdeRedistancer {
       for (std::size_t slot = begin; slot < end; ++slot) {
         mark_accepted(leaves_[slot], crossings_[slot]);
         halos_.fill_halo(set_.phi, leaves_[slot], kWenoWidth, halo);
-        find_crossings(halo, courant_, crossings_[slot]);
+        find_crossings(halo, crossings_[slot]);
       }
     });
   }
@@ -190,7 +207,7 @@ class PdeRedistancer {
         },
         64);
     first_ = set_.phi;
-    if (!first_order_) second_ = set_.phi;
+    if (options_.method == RedistanceMethod::pde_weno5) second_ = set_.phi;
     was_active_.assign(leaves_.size(), 0);
   }
 
@@ -228,7 +245,7 @@ class PdeRedistancer {
 
   void rest(std::uint32_t leaf) {
     std::copy_n(std::as_const(set_.phi).block(leaf), kBlockNodes, first_.block(leaf));
-    if (!first_order_) std::copy_n(std::as_const(set_.phi).block(leaf), kBlockNodes, second_.block(leaf));
+    if (!second_.empty()) std::copy_n(std::as_const(set_.phi).block(leaf), kBlockNodes, second_.block(leaf));
   }
 
   // One stage over all active leaves: `from` is read with halos; `out` is written. Returns the sum of squared rates.
@@ -305,8 +322,8 @@ class PdeRedistancer {
   const Octree& tree_;
   Progress& progress_;
   const Halos<T> halos_;
-  const bool first_order_;
-  const double courant_;
+  bool first_order_;
+  double courant_;
   int coarsest_ = 0;
   double limit_ = 0;                        // in finest cells
   std::vector<std::uint32_t> leaves_;       // that store values

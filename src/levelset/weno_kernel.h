@@ -40,7 +40,7 @@ void fill(const BlockFaces<double>& blocks, double scale, int width, HaloBlock& 
 // Eight nodes of a block with crossings of the surface on edges of theirs. [T-PDE-4]
 struct alignas(64) CutNodes {
   std::array<std::array<double, kBlockSide>, 6> crossing;  // how far it is to it along -x, +x, ... +z, in (0, 1]; 0: none
-  std::array<double, kBlockSide> step;                     // of the nodes, in pseudo-time
+  std::array<double, kBlockSide> step;                     // of the nodes, in parts of the stage's
   std::array<std::uint16_t, kBlockSide> node;              // where there are less than eight, one is repeated
   std::uint16_t count = 0;
 };
