@@ -8,7 +8,7 @@ namespace burnish::detail {
 namespace {
 
 constexpr double kHeld = 0.05;         // cells from a crossing at which a node is held
-constexpr double kFifthAgrees = 0.02;  // cells that the roots of fifth and third degree differ by at most where phi0 is smooth
+constexpr double kFifthAgrees = 0.1;  // cells that the roots of fifth and third degree differ by at most where phi0 is smooth
 constexpr double kThirdAgrees = 0.2;   // the same of third and first degree
 constexpr int kRootSteps = 30;
 

@@ -30,7 +30,8 @@ class Halos {
 
   void fill_halo(const Field<T>& field, std::size_t leaf, int width, HaloBlock& halo) const {
     const double scale = 1.0 / (1 << tree_.level(leaf));
-    if (const auto blocks = faces_of_one_level(field, leaf)) return fill(*blocks, scale, width, halo);
+    std::array<std::array<T, kBlockNodes>, 6> injected;
+    if (const auto blocks = faces(field, leaf, width, injected)) return fill(*blocks, scale, width, halo);
     std::array<T, std::size_t{HaloBlock::kSide} * HaloBlock::kSide * HaloBlock::kSide> dense;
     gather_smooth(tree_, field, leaf, width, HaloOrder::cubic, dense.data());
     copy(dense.data(), scale, width, halo);
@@ -41,18 +42,44 @@ class Halos {
   static constexpr std::array<int, 6> kFaces{direction(-1, 0, 0), direction(1, 0, 0),  direction(0, -1, 0),
                                              direction(0, 1, 0),  direction(0, 0, -1), direction(0, 0, 1)};
 
-  std::optional<BlockFaces<T>> faces_of_one_level(const Field<T>& field, std::size_t leaf) const {
+  // The blocks across the faces, if all that is there needs no interpolation: beside finer leaves one is made of their nodes.
+  std::optional<BlockFaces<T>> faces(const Field<T>& field, std::size_t leaf, int width, std::array<std::array<T, kBlockNodes>, 6>& injected) const {
     BlockFaces<T> blocks{field.block(leaf), {}};
     for (std::size_t face = 0; face < 6; ++face) {
       const NeighborKind kind = tree_.neighbor_kind(leaf, kFaces[face]);
       if (kind == NeighborKind::wall) continue;
-      if (kind == NeighborKind::finer) return std::nullopt;
+      if (kind == NeighborKind::finer) {
+        inject(field, leaf, face, width, injected[face].data());
+        blocks.across[face] = injected[face].data();
+        continue;
+      }
       const std::uint32_t other = tree_.neighbor(leaf, kFaces[face]);
       if (!field.stores(other)) continue;
       if (kind == NeighborKind::coarser) return std::nullopt;
       blocks.across[face] = field.block(other);
     }
     return blocks;
+  }
+
+  // Of four finer leaves every second node, in the first layers of the block that would be there. Width is less than half a block.
+  void inject(const Field<T>& field, std::size_t leaf, std::size_t face, int width, T* out) const {
+    const auto across = tree_.neighbors(leaf, kFaces[face]);
+    const std::size_t axis = face / 2;
+    for (int b = 0; b < kBlockSide; ++b)
+      for (int a = 0; a < kBlockSide; ++a) {
+        const std::uint32_t fine = across[static_cast<std::size_t>((a >= kBlockSide / 2) + 2 * (b >= kBlockSide / 2))];
+        for (int n = 0; n < width; ++n) {
+          const int layer = face % 2 == 0 ? kBlockSide - 1 - n : n;
+          const T value = field.stores(fine) ? field.block(fine)[on_axis(axis, 2 * layer % kBlockSide, 2 * a % kBlockSide, 2 * b % kBlockSide)]
+                                             : field.block(leaf)[on_axis(axis, face % 2 == 0 ? 0 : kBlockSide - 1, a, b)];
+          out[on_axis(axis, layer, a, b)] = value;
+        }
+      }
+  }
+
+  // The node `along` an axis and (a, b) across it.
+  static std::size_t on_axis(std::size_t axis, int along, int a, int b) {
+    return axis == 0 ? node_index(along, a, b) : axis == 1 ? node_index(a, along, b) : node_index(a, b, along);
   }
 
   static void copy(const T* dense, double scale, int width, HaloBlock& halo) {
@@ -266,7 +293,7 @@ class PdeRedistancer {
     const std::uint32_t leaf = leaves_[slot];
     const BlockCrossings& c = crossings_[slot];
     halos_.fill_halo(from, leaf, first_order_ ? 1 : kWenoWidth, halo);
-    const Stage<T> stage{keep, courant_, limit_ / scale(leaf), scale(leaf), c.any ? c.still.data() : nullptr, c.cut.data(), c.cut.size(),
+    const Stage<T> stage{keep, courant_, limit_ / scale(leaf), options_.reach, scale(leaf), c.any ? c.still.data() : nullptr, c.cut.data(), c.cut.size(),
                          std::as_const(set_.phi).block(leaf), out.block(leaf)};
     const StageSums sums = first_order_ ? first_order_stage(halo, stage) : weno5_stage(halo, stage);
     least_[slot] = sums.least;

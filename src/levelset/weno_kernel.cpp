@@ -17,7 +17,7 @@ namespace burnish::detail {
 namespace {
 
 constexpr double kSmooth = 1e-6;    // epsilon of the weights, slopes being 1
-constexpr double kSharp = 0.15;     // what second differences at a crossing may differ by before they are limited, per cell
+constexpr double kSharp = 0.3;     // what second differences at a crossing may differ by before they are limited, per cell
 constexpr double kLeast = 1e-6;     // cells; what |phi| keeps, so that the sign does
 
 typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
@@ -119,10 +119,11 @@ BURNISH_INLINE Row advanced(const Row& phi, const Row& start, const Row& squared
 // Sums over rows, in their order.
 struct RowSums {
   Row squared{}, least = row_of(1e300);
-  BURNISH_INLINE void add(const Row& change, const Row& value, double step) {
-    const Row rate = change * (1 / step);
-    squared += rate * rate;
-    least = smaller(least, magnitude(value));
+  template <class T>
+  BURNISH_INLINE void add(const Row& change, const Row& value, const Stage<T>& stage) {
+    const Row rate = change * (1 / stage.step), size = magnitude(value);
+    squared += size < row_of(stage.counted) ? rate * rate : Row{};
+    least = smaller(least, size);
   }
   BURNISH_INLINE StageSums total() const {
     StageSums sums{0, least[0]};
@@ -151,19 +152,19 @@ BURNISH_INLINE void advance_row(const HaloBlock& halo, const Stage<T>& stage, in
   const Row start = load(stage.start + first), own = start * (1 / stage.scale);
   const Row value = advanced(phi, own, squared_slope, row_of(stage.step), lowest, stage);
   if (stage.still == nullptr) {
-    sums.add(value - own, value, stage.step);
+    sums.add(value - own, value, stage);
     return store(value * stage.scale, stage.out + first);
   }
   const Mask still = lanes_of(stage.still[first / kBlockSide]);
   const Row kept = still ? own : value;
-  sums.add(kept - own, kept, stage.step);
+  sums.add(kept - own, kept, stage);
   store(still ? start : value * stage.scale, stage.out + first);
 }
 
 template <class T>
 BURNISH_INLINE void keep_row(const Stage<T>& stage, int j, int k, RowSums& sums) {
   const Row start = load(stage.start + node_index(0, j, k));
-  sums.add(Row{}, start * (1 / stage.scale), stage.step);
+  sums.add(Row{}, start * (1 / stage.scale), stage);
   store(start, stage.out + node_index(0, j, k));
 }
 
@@ -223,7 +224,7 @@ BURNISH_INLINE void advance_cut(const HaloBlock& halo, const Stage<T>& stage, co
   const Row value = advanced(phi, own, squared_slope, load(cut.step.data()) * stage.step, lowest, stage);
   const Mask lane{0, 1, 2, 3, 4, 5, 6, 7};
   const Mask counts = lane < (Mask{} + static_cast<std::int64_t>(cut.count));
-  sums.add(counts ? value - own : Row{}, value, stage.step);
+  sums.add(counts ? value - own : Row{}, value, stage);
   store(value * stage.scale, lanes.data());
   for (std::size_t n = 0; n < cut.count; ++n) stage.out[cut.node[n]] = static_cast<T>(lanes[n]);
 }

@@ -51,6 +51,7 @@ struct Stage {
   double keep;
   double step;
   double limit;               // |out| stays at it, in own units
+  double counted;             // rates are summed where |out| is below this
   double scale;               // own units to those of `start` and `out`
   const std::uint8_t* still;  // a bit per node, 8 rows' bytes a layer: out = start there. May be null.
   const CutNodes* cut;        // nodes of `still` for which out is computed after all
@@ -61,7 +62,7 @@ struct Stage {
 
 // What became of a block.
 struct StageSums {
-  double squared_rate = 0;  // sum of ((out - start) / step)^2
+  double squared_rate = 0;  // sum of ((out - start) / step)^2 where it counts
   double least = 0;         // |out| in own units
 };
 
