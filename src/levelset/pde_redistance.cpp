@@ -18,7 +18,7 @@ constexpr double kWenoCourant = 0.6, kFirstCourant = 0.5;  // [T-PDE-7]
 constexpr int kMargin = 3;       // cells beyond the reach that are computed, so that no kink is seen within it
 constexpr double kPatience = 2;  // steps allowed, in parts of those that information needs
 constexpr int kSettling = 60;    // steps allowed besides
-constexpr double kRough = 1e-3;  // the residual at which distances of first order are good enough for WENO5 to start from
+constexpr double kRough = 1e-2;  // the residual at which distances of first order are good enough for WENO5 to start from
 constexpr std::size_t kGrain = 8;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -146,7 +146,8 @@ class PdeRedistancer {
  public:
   PdeRedistancer(BasicLevelSet<T>& set, const RedistanceOptions& options, Progress& progress)
       : set_(set), options_(options), tree_(set.octree()), progress_(progress), halos_(tree_),
-        first_order_(options.method == RedistanceMethod::pde_first), courant_(first_order_ ? kFirstCourant : kWenoCourant) {
+        first_order_(options.method == RedistanceMethod::pde_first), courant_(first_order_ ? kFirstCourant : kWenoCourant),
+        counted_(options.reach) {
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf) {
       if (!set.phi.stores(leaf)) continue;
       leaves_.push_back(leaf);
@@ -179,6 +180,7 @@ class PdeRedistancer {
   void use_first_order(bool first_order) {
     first_order_ = first_order;
     courant_ = first_order ? kFirstCourant : kWenoCourant;
+    counted_ = first_order ? limit_ : options_.reach;
     for (const std::uint32_t leaf : leaves_) rest(leaf);
   }
 
@@ -293,7 +295,7 @@ class PdeRedistancer {
     const std::uint32_t leaf = leaves_[slot];
     const BlockCrossings& c = crossings_[slot];
     halos_.fill_halo(from, leaf, first_order_ ? 1 : kWenoWidth, halo);
-    const Stage<T> stage{keep, courant_, limit_ / scale(leaf), options_.reach, scale(leaf), c.any ? c.still.data() : nullptr, c.cut.data(), c.cut.size(),
+    const Stage<T> stage{keep, courant_, limit_ / scale(leaf), counted_, scale(leaf), c.any ? c.still.data() : nullptr, c.cut.data(), c.cut.size(),
                          std::as_const(set_.phi).block(leaf), out.block(leaf)};
     const StageSums sums = first_order_ ? first_order_stage(halo, stage) : weno5_stage(halo, stage);
     least_[slot] = sums.least;
@@ -351,6 +353,7 @@ class PdeRedistancer {
   const Halos<T> halos_;
   bool first_order_;
   double courant_;
+  double counted_;                          // cells within which rates are to become small
   int coarsest_ = 0;
   double limit_ = 0;                        // in finest cells
   std::vector<std::uint32_t> leaves_;       // that store values

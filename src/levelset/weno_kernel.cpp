@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kSmooth = 1e-6;    // epsilon of the weights, slopes being 1
 constexpr double kSharp = 0.3;     // what second differences at a crossing may differ by before they are limited, per cell
+constexpr double kStair = 0.4;      // cells; what a node is farther than its nearest neighbour, at least
 constexpr double kLeast = 1e-6;     // cells; what |phi| keeps, so that the sign does
 
 typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
@@ -107,11 +108,12 @@ struct FirstOrder {
   BURNISH_INLINE static Row slope_at_crossing(const Row& theta, const Row&, const Row& value, const Row&, const Row&) { return value / theta; }
 };
 
-// The new values: phi after the stage, its sign and zeros kept, |phi| no lower than `lowest`, the least of it and its neighbours. [T-PDE-1]
+// The new values: phi after the stage, its sign and zeros kept. `lowest`: the least |phi| of the neighbours, negative across the surface. [T-PDE-1]
 template <class T>
 BURNISH_INLINE Row advanced(const Row& phi, const Row& start, const Row& squared_slope, const Row& step, const Row& lowest, const Stage<T>& stage) {
   const Row sign = sign_of(phi);
-  const Row moved = larger(sign * phi + step * (1 - root(squared_slope)), lowest);
+  const Row before = sign * phi;
+  const Row moved = larger(before + step * (1 - root(squared_slope)), smaller(before, lowest + kStair));  // [T-PDE-11]
   const Row mixed = stage.keep * (sign * start) + (1 - stage.keep) * moved;
   return sign * smaller(larger(mixed, row_of(kLeast)), row_of(stage.limit));
 }
@@ -141,7 +143,7 @@ BURNISH_INLINE void advance_row(const HaloBlock& halo, const Stage<T>& stage, in
   const double* center = &halo.values[HaloBlock::index(0, j, k)];
   const std::size_t first = node_index(0, j, k);
   const Row phi = load(center), sign = sign_of(phi);
-  Row squared_slope{}, lowest = sign * phi;
+  Row squared_slope{}, lowest = row_of(1e300);
   for (const int stride : HaloBlock::kStride) {
     Row v[2 * width + 1];
     for (int n = -width; n <= width; ++n) v[n + width] = load(center + n * stride);
@@ -211,7 +213,7 @@ BURNISH_INLINE void advance_cut(const HaloBlock& halo, const Stage<T>& stage, co
   const Row own = load(lanes.data()) * (1 / stage.scale);
   const Lanes around(halo, cut);
   const Row phi = around.at(0), sign = sign_of(phi);
-  Row squared_slope{}, lowest = sign * phi;
+  Row squared_slope{}, lowest = row_of(1e300);
   for (std::size_t axis = 0; axis < 3; ++axis) {
     Row all[7];
     for (int n = -3; n <= 3; ++n)
