@@ -191,6 +191,7 @@ class PdeRedistancer {
       result.residual = first_order_ ? euler_step() : runge_kutta_step();
       result.steady = result.residual < steady;
       ++result.steps;
+      progress_.update(static_cast<double>(step + 1) / most);
     }
   }
 

@@ -1,6 +1,7 @@
 // Redistancing by the PDE: orders of convergence, what the surface moves by, and what must hold on any field.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -66,7 +67,8 @@ double movement(const BasicLevelSet<double>& set, const PlacedShape& placed) {
   std::vector<double> dense(side * side * side);
   double worst = 0;
   for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
-    if (!set.phi.stores(leaf)) continue;
+    const double* block = set.phi.block(leaf);
+    if (!set.phi.stores(leaf) || std::all_of(block, block + kBlockNodes, [&](double v) { return std::abs(v) > 2 << set.octree().level(leaf); })) continue;
     gather_smooth(set.octree(), set.phi, leaf, 3, HaloOrder::cubic, dense.data());
     const double cell = 1 << set.octree().level(leaf);
     for (int n = 0; n < 3 * static_cast<int>(kBlockNodes); ++n) {
@@ -147,7 +149,7 @@ TEST(PdeRedistance, BadlyScaledStartsKeepTheSurface) {
 // Why crossings are stencil points: without them the shift of the surface is a mode that nothing damps. [T-PDE-3]
 TEST(PdeRedistance, NothingElseHoldsTheSurface) {
   const auto sphere = unit_sphere();
-  for (const int cells : {32, 64}) EXPECT_GE(redistanced(kWeno, *sphere, cells, 1, {.loose = true}).movement, 0.1);
+  for (const int cells : {32, 64}) EXPECT_GE(redistanced(kWeno, *sphere, cells, 1, {.loose = true}, 1e-3).movement, 0.1);
 }
 
 TEST(PdeRedistance, Weno5ConvergesFromAcceptedValues) {

@@ -41,7 +41,7 @@ struct RedistanceResult {
 };
 
 // Replaces phi by the signed distance to the surface phi = 0 in all leaves that store values, of any level. Signs stay.
-// The PDE, from phi0 = (0.1 + |x - x0|^2) distance on a sphere of R cells: the surface moves by 2e-3 / R cells (first order: 0.1 / R), phi is off by 8e-5 R
+// The PDE, from phi0 = (0.1 + |x - x0|^2) distance on a sphere of R cells: the surface moves by 3e-3 / R cells (first order: 0.1 / R), phi is off by 8e-5 R
 // at R = 8 and by 1e-5 R at R = 16; from exact accepted values by 2e-5 R and 3e-7 R. 13 ns per node and stage, three stages a step (first order:
 // 5 ns, one stage); float fields are computed in double.
 // Same bits for any number of threads. Throws Error{interrupted}.
