@@ -166,7 +166,7 @@ TEST(PdeRedistance, Weno5ConvergesAcrossALevelJumpThroughTheSurface) {
   const auto sphere = unit_sphere(), torus = unit_torus();
   for (const auto& [shape, first] : {std::pair{sphere.get(), 64}, {torus.get(), 64}}) {
     const Start start{.frozen = true, .jump = true};
-    const Outcome coarse = redistanced(kWeno, *shape, first, 1, start, 1e-6), fine = redistanced(kWeno, *shape, 2 * first, 1, start, 1e-6);
+    const Outcome coarse = redistanced(kWeno, *shape, first, 1, start, 1e-7), fine = redistanced(kWeno, *shape, 2 * first, 1, start, 1e-7);
     RecordProperty(shape->name() + "_order", std::to_string(order(coarse.error, fine.error)));
     EXPECT_GE(order(coarse.error, fine.error), 2) << shape->name() << ": " << coarse.error << " -> " << fine.error;
   }
