@@ -8,7 +8,6 @@
 namespace burnish::detail {
 namespace {
 
-typedef std::int8_t Bytes __attribute__((vector_size(kBlockSide)));
 
 using Lanes = std::array<double, kBlockSide>;
 
@@ -123,14 +122,6 @@ BURNISH_INLINE void jet_with(const Basis<degree>& basis, const double* phi, cons
                               quad_sums(pair_sums(f00 * x.bend, f10 * x.slope), pair_sums(f01 * x.slope, f20 * x.value)));
   const Row last = quad_sums(pair_sums(f11 * x.value, f02 * x.value), Row{});
   jet = {most[0], {most[1], most[2], most[3]}, most[4], most[5], most[6], most[7], last[0] + last[4], last[1] + last[5]};
-}
-
-// A bit per lane, lane 0 lowest.
-BURNISH_INLINE unsigned bits_of(const Mask& mask) {
-  const Bytes bytes = __builtin_convertvector(mask, Bytes);
-  std::uint64_t all;
-  std::memcpy(&all, &bytes, sizeof all);
-  return static_cast<unsigned>(((all & 0x8040201008040201u) * 0x0101010101010101u) >> 56);
 }
 
 BURNISH_INLINE std::size_t part_of(int node) { return node < kJetWidth ? 0 : node < kJetWidth + kBlockSide ? 1 : 2; }

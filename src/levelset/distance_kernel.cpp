@@ -16,18 +16,6 @@ constexpr double kFlat = 1e-22;
 // Triangles whose height over their longest side is above the root of this have unit vectors good to 1e-13.
 constexpr double kWellShaped = 1e-6;
 
-typedef std::int8_t Bytes __attribute__((vector_size(kBlockSide)));
-
-BURNISH_INLINE Row row_of(double v) { return Row{} + v; }
-
-// A byte per lane, 0xff where the mask is set; lane 0 lowest.
-BURNISH_INLINE std::uint64_t bytes_of(const Mask& mask) {
-  const Bytes bytes = __builtin_convertvector(mask, Bytes);
-  std::uint64_t bits;
-  std::memcpy(&bits, &bytes, sizeof bits);
-  return bits;
-}
-
 BURNISH_INLINE double largest_of(const Row& row) {
   Row other = __builtin_shufflevector(row, row, 4, 5, 6, 7, 0, 1, 2, 3);
   Row most = row < other ? other : row;
@@ -35,9 +23,6 @@ BURNISH_INLINE double largest_of(const Row& row) {
   most = most < other ? other : most;
   return std::max(most[0], most[1]);
 }
-
-BURNISH_INLINE Row larger(const Row& a, const Row& b) { return a > b ? a : b; }
-BURNISH_INLINE Row smaller(const Row& a, const Row& b) { return a < b ? a : b; }
 
 // A well-shaped triangle prepared for many rows: seven functions of the point, each linear, say where it is. [T-DIST-1]
 class WellShaped {

@@ -4,14 +4,7 @@
 #include <cmath>
 #include <cstring>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__clang__)
-#define BURNISH_DISPATCH __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define BURNISH_DISPATCH
-#endif
-// Inlined into every clone, so that it is compiled for that clone's processor.
-#define BURNISH_INLINE inline __attribute__((always_inline))
+#include "kernel_rows.h"
 
 namespace burnish::detail {
 namespace {
@@ -21,29 +14,6 @@ constexpr double kSharp = 0.3;     // what second differences at a crossing may 
 constexpr double kStair = 0.4;      // cells; what a node is farther than its nearest neighbour, at least
 constexpr double kLeast = 1e-6;     // cells; what |phi| keeps, so that the sign does
 
-typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
-typedef float FloatRow __attribute__((vector_size(kBlockSide * sizeof(float))));
-typedef std::int64_t Mask __attribute__((vector_size(kBlockSide * sizeof(std::int64_t))));
-
-BURNISH_INLINE Row row_of(double v) { return Row{} + v; }
-BURNISH_INLINE Row load(const double* from) {
-  Row row;
-  std::memcpy(&row, from, sizeof row);
-  return row;
-}
-BURNISH_INLINE Row load(const float* from) {
-  FloatRow row;
-  std::memcpy(&row, from, sizeof row);
-  return __builtin_convertvector(row, Row);
-}
-BURNISH_INLINE void store(const Row& row, double* to) { std::memcpy(to, &row, sizeof row); }
-BURNISH_INLINE void store(const Row& row, float* to) {
-  const FloatRow floats = __builtin_convertvector(row, FloatRow);
-  std::memcpy(to, &floats, sizeof floats);
-}
-BURNISH_INLINE Row larger(const Row& a, const Row& b) { return a > b ? a : b; }
-BURNISH_INLINE Row smaller(const Row& a, const Row& b) { return a < b ? a : b; }
-BURNISH_INLINE Row magnitude(const Row& a) { return larger(a, -a); }
 BURNISH_INLINE Row sign_of(const Row& a) { return a > Row{} ? row_of(1) : a < Row{} ? row_of(-1) : Row{}; }
 BURNISH_INLINE Row root(const Row& a) {
   alignas(64) std::array<double, kBlockSide> values;
