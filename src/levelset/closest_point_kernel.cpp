@@ -24,7 +24,6 @@ constexpr double kLeastCurvature = 0.05;  // of the squared distance along the s
 constexpr double kSlack = 0.1;          // cells by which an edge's linear crossing may be nearer than Newton's point
 constexpr double kRefineSlack = 0.02;   // cells by which a refined point may be farther than the one it started from
 constexpr double kRefineMove = 2;       // cells that a refined point may move
-constexpr double kExact = 0.9;          // squared: a point of Newton's gives way to one that is clearly nearer only
 constexpr int kRowsOfBlock = kBlockSide * kBlockSide;
 
 // Steps shorter than this leave an error of its square: below the rounding of T. [T-REDIST-1]
@@ -156,14 +155,6 @@ BURNISH_INLINE Foot seed_node(const Surroundings<T>& around, int i, int j, int k
   return {start, false};
 }
 
-template <class T>
-BURNISH_INLINE void put(ClosestPoints<T>& points, std::size_t n, const Vec3& d, bool is_exact) {
-  points.x[n] = static_cast<T>(d.x);
-  points.y[n] = static_cast<T>(d.y);
-  points.z[n] = static_cast<T>(d.z);
-  points.bound[n] = static_cast<T>(squared_norm(d)) * (is_exact ? static_cast<T>(kExact) : kBetter<T>);
-}
-
 template <class Visit>
 BURNISH_INLINE void for_each_bit(const BlockBits& bits, Visit&& visit) {
   for (int row = 0; row < kRowsOfBlock; ++row)
@@ -186,6 +177,21 @@ BURNISH_INLINE void seed_block(const Surroundings<T>& around, const BlockBits& b
 
 BURNISH_INLINE int octant_of(double at) { return at < 0 ? -1 : at >= kBlockSide ? 1 : 0; }
 
+// Never much farther than the point it starts from, nor far from that.
+template <class T>
+BURNISH_INLINE Foot refined(const Surroundings<T>& around, const Vec3& x, const Vec3& offset, double sign) {
+  Foot foot = closest_from(around, x, x + offset, sign, norm(offset) + kRefineSlack);
+  foot.found = foot.found && squared_norm(foot.offset - offset) <= kRefineMove * kRefineMove;
+  return foot;
+}
+
+template <class T>
+BURNISH_INLINE void refine_distant(const Surroundings<T>& around, DistantNode& node) {
+  const Foot foot = refined(around, node.at, node.offset, node.sign);
+  node.refined = foot.found;
+  if (foot.found) node.offset = foot.offset;
+}
+
 template <class T>
 BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points,
                                  BlockBits& exact) {
@@ -198,8 +204,8 @@ BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, st
       const Vec3 x{double(i), double(j), double(k)}, d{points.x[n], points.y[n], points.z[n]}, y = x + d;
       if (((octants >> direction(octant_of(y.x), octant_of(y.y), octant_of(y.z))) & 1) == 0) continue;
       const double sign = around.phi[place_of(around, i, j, k)] >= 0 ? 1 : -1;
-      const Foot foot = closest_from(around, x, y, sign, norm(d) + kRefineSlack);
-      if (!foot.found || squared_norm(foot.offset - d) > kRefineMove * kRefineMove) continue;
+      const Foot foot = refined(around, x, d, sign);
+      if (!foot.found) continue;
       put(points, n, foot.offset, true);
       set_bit(exact, i, j, k);
     }
@@ -372,6 +378,10 @@ BURNISH_INLINE T spread_block(const FrontPoints<T>& front, ClosestPoints<T>& poi
   BURNISH_DISPATCH void refine(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points,             \
                                BlockBits& exact) {                                                                                       \
     refine_block(around, reach, octants, points, exact);                                                                                 \
+  }                                                                                                                                      \
+  template <>                                                                                                                            \
+  BURNISH_DISPATCH void refine(const Surroundings<T>& around, DistantNode& node) {                                                       \
+    refine_distant(around, node);                                                                                                        \
   }                                                                                                                                      \
   template <>                                                                                                                            \
   BURNISH_DISPATCH T publish(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out) {                  \

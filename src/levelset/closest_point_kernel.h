@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <limits>
 
+#include "burnish/core/vec.h"
 #include "burnish/octree/field.h"
 
 namespace burnish::detail {
@@ -46,12 +47,31 @@ void seed(const Surroundings<T>& around, const BlockBits& beside, ClosestPoints<
 template <class T>
 void refine(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points, BlockBits& exact);
 
+// The same for one node anywhere whose closest point lies in the block: for feet in leaves finer than the node's.
+struct DistantNode {
+  Vec3 at, offset;  // in cells of the block
+  double sign;      // of phi at the node
+  bool refined = false;
+};
+template <class T>
+void refine(const Surroundings<T>& around, DistantNode& node);
+
 // What a block shows its neighbours: the closest points of the nodes that have come within the front's radius, x infinite elsewhere.
 template <class T>
 struct alignas(64) PublishedPoints {
   std::array<T, kBlockNodes> x, y, z;
   BlockBits nodes;
 };
+
+// The closest point of a node, whose squared length in T decides which is nearer. Exact ones give way to those that are clearly nearer only.
+template <class T>
+void put(ClosestPoints<T>& points, std::size_t node, const Vec3& offset, bool is_exact) {
+  constexpr double kExact = 0.9;  // rounding alone moves no other node either
+  points.x[node] = static_cast<T>(offset.x);
+  points.y[node] = static_cast<T>(offset.y);
+  points.z[node] = static_cast<T>(offset.z);
+  points.bound[node] = static_cast<T>(squared_norm(offset) * (is_exact ? kExact : 1 - 8. * std::numeric_limits<T>::epsilon()));
+}
 
 // Moves the `open` nodes whose bound is at most radius^2 to `out`. Returns the least bound of what stays open.
 template <class T>
