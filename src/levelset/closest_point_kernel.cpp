@@ -319,9 +319,9 @@ struct Best {
   Mask<T> better;
 
   // From the neighbours of the row at (dy, dz) from it.
-  BURNISH_INLINE void take(const FrontPoints<T>& front, std::size_t from, int dy, int dz) {
+  BURNISH_INLINE void take(const FrontPoints<T>& front, int j, int k, int dy, int dz) {
     for (int dx = -1; dx <= 1; ++dx) {
-      const std::size_t at = from + static_cast<std::size_t>(dx + 1);
+      const std::size_t at = front.index(dx, j + dy, k + dz);
       const Row<T> px = load_row(&front.x[at]) + static_cast<T>(dx), py = load_row(&front.y[at]) + static_cast<T>(dy),
                    pz = load_row(&front.z[at]) + static_cast<T>(dz);
       const Row<T> found = px * px + (py * py + pz * pz);
@@ -336,25 +336,28 @@ struct Best {
 };
 
 template <class T>
-BURNISH_INLINE T spread_block(const FrontPoints<T>& front, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {
-  Row<T> least = Row<T>{} + std::numeric_limits<T>::infinity();
+BURNISH_INLINE T spread_block(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {
+  const Row<T> infinite = Row<T>{} + std::numeric_limits<T>::infinity(), low = Row<T>{} + static_cast<T>(settled * settled);
+  Row<T> least = infinite;
   for (int k = 0; k < kBlockSide; ++k)
     for (int j = 0; j < kBlockSide; ++j) {
+      const std::array<unsigned, 3> sources{front.rows_around(j, k - 1), front.rows_around(j, k), front.rows_around(j, k + 1)};
+      if ((sources[0] | sources[1] | sources[2]) == 0) continue;
       const auto row = static_cast<std::size_t>(j + kBlockSide * k), n = row * kBlockSide;
-      const Row<T> infinite = Row<T>{} + std::numeric_limits<T>::infinity();
-      Best<T> best{{}, {}, {}, load_row(&points.bound[n]), {}};
+      const Row<T> own = load_row(&points.bound[n]);
+      const Mask<T> wants = own > low;
+      if (bits_of<T>(wants) == 0) continue;
+      Best<T> best{{}, {}, {}, wants ? own : Row<T>{}, {}};
       for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy) {
-          const std::size_t from = front.row_index(j + dy, k + dz);
-          if (front.row[from]) best.take(front, kFrontSide * from, dy, dz);
-        }
+        for (int dy = -1; dy <= 1; ++dy)
+          if ((sources[static_cast<std::size_t>(dz + 1)] >> (dy + 1) & 1) != 0) best.take(front, j, k, dy, dz);
       const std::uint8_t bits = bits_of<T>(best.better);
       if (bits == 0) continue;
       const Row<T> bound = best.d2 * kBetter<T>;
       store_row<T>(best.better ? best.x : load_row(&points.x[n]), &points.x[n]);
       store_row<T>(best.better ? best.y : load_row(&points.y[n]), &points.y[n]);
       store_row<T>(best.better ? best.z : load_row(&points.z[n]), &points.z[n]);
-      store_row<T>(best.better ? bound : load_row(&points.bound[n]), &points.bound[n]);
+      store_row<T>(best.better ? bound : own, &points.bound[n]);
       const Row<T> fresh = best.better ? bound : infinite;
       least = fresh < least ? fresh : least;
       open[row] |= bits;
@@ -388,8 +391,8 @@ BURNISH_INLINE T spread_block(const FrontPoints<T>& front, ClosestPoints<T>& poi
     return publish_block(points, radius, open, out);                                                                                     \
   }                                                                                                                                      \
   template <>                                                                                                                            \
-  BURNISH_DISPATCH T spread(const FrontPoints<T>& front, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {                  \
-    return spread_block(front, points, open, exact);                                                                                     \
+  BURNISH_DISPATCH T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {  \
+    return spread_block(front, settled, points, open, exact);                                                                            \
   }
 
 BURNISH_INSTANTIATE(float)

@@ -2,6 +2,7 @@
 // nodes and their closest points, all in cells of the block. The same bits on every processor.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
@@ -77,24 +78,39 @@ void put(ClosestPoints<T>& points, std::size_t node, const Vec3& offset, bool is
 template <class T>
 T publish(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out);
 
-// Published points of a block and one layer around it; node (i, j, k) stands at (i + 1, j + 1, k + 1).
+// Published points of a block and one layer around it; node (i, j, k) stands at (i + 1, j + 1, k + 1). x is infinite where there is none.
 inline constexpr int kFrontSide = kBlockSide + 2;
 template <class T>
-struct FrontPoints {
+class FrontPoints {
+ public:
   std::array<T, std::size_t{kFrontSide} * kFrontSide * kFrontSide> x, y, z;
-  std::array<bool, std::size_t{kFrontSide} * kFrontSide> row;  // of y and z: whether it holds a point
 
-  static std::size_t row_index(int j, int k) { return static_cast<std::size_t>((j + 1) + kFrontSide * (k + 1)); }
-  static std::size_t index(int i, int j, int k) { return static_cast<std::size_t>(i + 1) + kFrontSide * row_index(j, k); }
-  void clear() {
+  FrontPoints() {
     x.fill(std::numeric_limits<T>::infinity());
-    row.fill(false);
+    y.fill(0);
+    z.fill(0);
   }
+  static std::size_t index(int i, int j, int k) { return static_cast<std::size_t>((i + 1) + kFrontSide * ((j + 1) + kFrontSide * (k + 1))); }
+
+  // Row (j, k) holds a point.
+  void note(int j, int k) { rows_[static_cast<std::size_t>(k + 1)] |= static_cast<std::uint16_t>(1u << (j + 1)); }
+  // Of rows j - 1, j, j + 1 of plane k: a bit for each that does.
+  unsigned rows_around(int j, int k) const { return rows_[static_cast<std::size_t>(k + 1)] >> j & 7u; }
+  bool empty() const { return rows_ == decltype(rows_){}; }
+  void clear() {
+    for (int k = -1; k <= kBlockSide; ++k)
+      for (int j = -1; j <= kBlockSide; ++j)
+        if ((rows_[static_cast<std::size_t>(k + 1)] >> (j + 1) & 1) != 0) std::fill_n(&x[index(-1, j, k)], kFrontSide, std::numeric_limits<T>::infinity());
+    rows_ = {};
+  }
+
+ private:
+  std::array<std::uint16_t, kFrontSide> rows_{};
 };
 
-// Gives every node the best of its 26 neighbours' published points, if it is better than its own; such nodes become open.
-// Returns the least new bound, or infinity. [T-REDIST-3]
+// Gives every node the best of its 26 neighbours' published points, if it is better than its own; such nodes become open. Nodes
+// whose bound is at most settled^2 keep theirs. Returns the least new bound, or infinity. [T-REDIST-3]
 template <class T>
-T spread(const FrontPoints<T>& front, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact);
+T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact);
 
 }  // namespace burnish::detail

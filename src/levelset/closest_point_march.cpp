@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4;
 constexpr double kRebroadcast = 2;  // cells: refined nodes within this of the edge of what was refined start the next march
+constexpr double kUnsettled = 1;    // cells behind the front within which nodes may still take another point: coarser leaves lag by that
 constexpr int kFirstPass = 2;       // a radius of one cell: seeds are there already
 
 constexpr std::size_t kSeedSide = kBlockSide + 2 * kSeedHalo, kSeedNodes = kSeedSide * kSeedSide * kSeedSide;
@@ -69,9 +70,14 @@ class ClosestPointMarch {
 
   template <class Visit>
   void for_each_neighbor(std::uint32_t leaf, Visit&& visit) const {
-    for (int dir = 0; dir < kDirections; ++dir)
-      if (dir != kSelf)
+    for (int dir = 0; dir < kDirections; ++dir) {
+      const NeighborKind kind = tree_.neighbor_kind(leaf, dir);
+      if (dir == kSelf || kind == NeighborKind::wall) continue;
+      if (kind != NeighborKind::finer)
+        visit(dir, tree_.neighbor(leaf, dir));
+      else
         for (const std::uint32_t other : tree_.neighbors(leaf, dir)) visit(dir, other);
+    }
   }
 
   // Whether the leaf and those around it have nodes on both sides.
@@ -128,7 +134,7 @@ class ClosestPointMarch {
     for (int pass = kFirstPass; is_open(reach); ++pass) {
       progress_.check();
       publish_layer(pass, reach);
-      if (!published_slots_.empty()) spread_layer();
+      if (!published_slots_.empty()) spread_layer(pass);
     }
   }
 
@@ -165,7 +171,7 @@ class ClosestPointMarch {
         16);
   }
 
-  void spread_layer() {
+  void spread_layer(int pass) {
     reached_.resize(leaves_.size());
     const auto reach = [&](std::uint32_t leaf) {
       if (slot_[leaf] != kNone) reached_[slot_[leaf]] = 1;
@@ -178,18 +184,20 @@ class ClosestPointMarch {
     for (std::uint32_t slot = 0; slot < leaves_.size(); ++slot)
       if (reached_[slot] != 0) readers.push_back(slot), reached_[slot] = 0;
     parallel_ranges(readers.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      FrontPoints<T> front{};
+      FrontPoints<T> front;
       for (std::size_t r = begin; r < end; ++r) {
         const std::uint32_t slot = readers[r];
         read_front(slot, front);
-        least_open_[slot] = std::min(least_open_[slot], spread(front, points_[slot], open_[slot], exact_[slot]));
+        if (front.empty()) continue;
+        const double settled = std::max(0.0, 0.5 * pass / (1 << tree_.level(leaves_[slot])) - kUnsettled);
+        least_open_[slot] = std::min(least_open_[slot], spread(front, settled, points_[slot], open_[slot], exact_[slot]));
+        front.clear();
       }
     });
     for (const std::uint32_t slot : published_slots_) published_of_[slot] = kNone;
   }
 
   void read_front(std::uint32_t slot, FrontPoints<T>& front) const {
-    front.clear();
     const std::uint32_t leaf = leaves_[slot];
     FrontReader<T> reader(tree_, leaf, front);
     if (published_of_[slot] != kNone) reader.read_same(kSelf, published_[published_of_[slot]]);
