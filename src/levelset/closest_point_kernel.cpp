@@ -18,12 +18,13 @@
 namespace burnish::detail {
 namespace {
 
-constexpr int kNewtonSteps = 8;
+constexpr int kNewtonSteps = 10;
 constexpr double kFlattest = 1e-16;     // squared gradient below which there is no direction
 constexpr double kLeastCurvature = 0.05;  // of the squared distance along the surface: below it the step along the surface is the projection's
 constexpr double kSlack = 0.1;          // cells by which an edge's linear crossing may be nearer than Newton's point
 constexpr double kRefineSlack = 0.02;   // cells by which a refined point may be farther than the one it started from
 constexpr double kRefineMove = 2;       // cells that a refined point may move
+constexpr double kDistantMove = 8;      // the same for nodes of coarser leaves
 constexpr int kRowsOfBlock = kBlockSide * kBlockSide;
 
 // Steps shorter than this leave an error of its square: below the rounding of T. [T-REDIST-1]
@@ -179,15 +180,15 @@ BURNISH_INLINE int octant_of(double at) { return at < 0 ? -1 : at >= kBlockSide 
 
 // Never much farther than the point it starts from, nor far from that.
 template <class T>
-BURNISH_INLINE Foot refined(const Surroundings<T>& around, const Vec3& x, const Vec3& offset, double sign) {
+BURNISH_INLINE Foot refined(const Surroundings<T>& around, const Vec3& x, const Vec3& offset, double sign, double most) {
   Foot foot = closest_from(around, x, x + offset, sign, norm(offset) + kRefineSlack);
-  foot.found = foot.found && squared_norm(foot.offset - offset) <= kRefineMove * kRefineMove;
+  foot.found = foot.found && squared_norm(foot.offset - offset) <= most * most;
   return foot;
 }
 
 template <class T>
 BURNISH_INLINE void refine_distant(const Surroundings<T>& around, DistantNode& node) {
-  const Foot foot = refined(around, node.at, node.offset, node.sign);
+  const Foot foot = refined(around, node.at, node.offset, node.sign, kDistantMove);
   node.refined = foot.found;
   if (foot.found) node.offset = foot.offset;
 }
@@ -204,7 +205,7 @@ BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, st
       const Vec3 x{double(i), double(j), double(k)}, d{points.x[n], points.y[n], points.z[n]}, y = x + d;
       if (((octants >> direction(octant_of(y.x), octant_of(y.y), octant_of(y.z))) & 1) == 0) continue;
       const double sign = around.phi[place_of(around, i, j, k)] >= 0 ? 1 : -1;
-      const Foot foot = refined(around, x, d, sign);
+      const Foot foot = refined(around, x, d, sign, kRefineMove);
       if (!foot.found) continue;
       put(points, n, foot.offset, true);
       set_bit(exact, i, j, k);

@@ -48,6 +48,7 @@ class ClosestPointMarch {
       refine_all(refined);
     }
     march(options_.reach);
+    refine_in_finer_leaves();
     store();
   }
 
@@ -223,40 +224,58 @@ class ClosestPointMarch {
     return octants;
   }
 
-  bool has_finer(std::uint32_t leaf) const {
-    for (int dir = 0; dir < kDirections; ++dir)
-      if (tree_.neighbor_kind(leaf, dir) == NeighborKind::finer) return true;
-    return false;
-  }
-
-  // A node and the leaf that holds its closest point.
+  // A node and the finer leaf that holds its closest point.
   struct DistantFoot {
-    std::uint32_t leaf, node;
-    bool operator<(const DistantFoot& b) const { return leaf != b.leaf ? leaf < b.leaf : node < b.node; }
+    std::uint32_t holder, slot, node;
+    bool operator<(const DistantFoot& b) const {
+      return holder != b.holder ? holder < b.holder : slot != b.slot ? slot < b.slot : node < b.node;
+    }
   };
 
-  // Refines nodes whose closest points lie in finer leaves, on the lattice there.
-  void refine_in_finer(std::size_t slot, T limit) {
-    const std::uint32_t leaf = leaves_[slot];
+  std::vector<DistantFoot> feet_in_finer_leaves() const {
+    const T limit = static_cast<T>((options_.reach + 0.25) * (options_.reach + 0.25));
+    std::vector<std::vector<DistantFoot>> parts((leaves_.size() + 255) / 256);
+    parallel_ranges(leaves_.size(), 256, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t slot = begin; slot < end; ++slot)
+        for (std::uint32_t n = 0; tree_.level(leaves_[slot]) > 0 && n < kBlockNodes; ++n) {
+          if (!wants_refinement(slot, n, limit)) continue;
+          const std::uint32_t holder = leaf_at(foot_of(slot, n), leaves_[slot]);
+          if (slot_[holder] != kNone && tree_.level(holder) < tree_.level(leaves_[slot]))
+            parts[begin / 256].push_back({holder, static_cast<std::uint32_t>(slot), n});
+        }
+    });
     std::vector<DistantFoot> feet;
-    for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
-      if (!wants_refinement(slot, n, limit)) continue;
-      const std::uint32_t holder = leaf_at(foot_of(slot, n), leaf);
-      if (slot_[holder] != kNone && tree_.level(holder) < tree_.level(leaf)) feet.push_back({holder, n});
-    }
-    std::sort(feet.begin(), feet.end());
-    std::array<T, kSeedNodes> phi;
-    for (std::size_t f = 0; f < feet.size(); ++f) {
-      const std::uint32_t holder = feet[f].leaf;
-      if (f == 0 || feet[f - 1].leaf != holder) gather_smooth(tree_, set_.phi, holder, kSeedHalo, HaloOrder::cubic, phi.data());
-      const std::uint32_t n = feet[f].node;
-      const double cell = 1 << tree_.level(holder), ratio = (1 << tree_.level(leaf)) / cell;
-      DistantNode node{(position(leaf, n) - position(holder, 0)) / cell, offset(slot, n) * ratio, set_.phi.block(leaf)[n] >= 0 ? 1. : -1.};
-      refine(Surroundings<T>{phi.data(), kSeedHalo}, node);
-      if (!node.refined) continue;
-      put(points_[slot], n, node.offset / ratio, true);
-      exact_[slot][n / kBlockSide] |= static_cast<std::uint8_t>(1u << (n % kBlockSide));
-    }
+    for (const auto& part : parts) feet.insert(feet.end(), part.begin(), part.end());
+    parallel_sort(feet);
+    return feet;
+  }
+
+  // Refines nodes whose closest points lie in finer leaves, on the lattice there: points carried from node to node of a coarse lattice
+  // are as far apart as its nodes. [T-REDIST-4]
+  void refine_in_finer_leaves() {
+    const std::vector<DistantFoot> feet = feet_in_finer_leaves();
+    std::vector<std::size_t> first;  // of each holder
+    for (std::size_t f = 0; f < feet.size(); ++f)
+      if (f == 0 || feet[f - 1].holder != feet[f].holder) first.push_back(f);
+    first.push_back(feet.size());
+    parallel_ranges(first.size() - 1, kGrain, [&](std::size_t begin, std::size_t end) {
+      progress_.check();
+      constexpr std::size_t side = kBlockSide + 2 * kWidestHalo;
+      LargeArray<T> phi(side * side * side);
+      for (std::size_t h = begin; h < end; ++h) {
+        gather_smooth(tree_, set_.phi, feet[first[h]].holder, kWidestHalo, HaloOrder::cubic, phi.data());
+        for (std::size_t f = first[h]; f < first[h + 1]; ++f) refine_distant(Surroundings<T>{phi.data(), kWidestHalo}, feet[f]);
+      }
+    });
+  }
+
+  void refine_distant(const Surroundings<T>& around, const DistantFoot& foot) {
+    const auto [holder, slot, n] = foot;
+    const std::uint32_t leaf = leaves_[slot];
+    const double cell = 1 << tree_.level(holder), ratio = (1 << tree_.level(leaf)) / cell;
+    DistantNode node{(position(leaf, n) - position(holder, 0)) / cell, offset(slot, n) * ratio, set_.phi.block(leaf)[n] >= 0 ? 1. : -1.};
+    refine(around, node);
+    if (node.refined) put(points_[slot], n, node.offset / ratio, true);
   }
 
   Vec3 position(std::uint32_t leaf, std::uint32_t n) const {
@@ -295,7 +314,6 @@ class ClosestPointMarch {
         if (!wants_refinement(slot, limit)) continue;
         gather_smooth(tree_, set_.phi, leaves_[slot], width, HaloOrder::cubic, phi.data());
         refine(Surroundings<T>{phi.data(), width}, reach, octants_to_refine_in(leaves_[slot]), points_[slot], exact_[slot]);
-        if (has_finer(leaves_[slot])) refine_in_finer(slot, limit);
         if (options_.reach > reach) open(slot, outermost(slot, reach));
       }
     });
@@ -320,9 +338,9 @@ class ClosestPointMarch {
           const ClosestPoints<T>& p = points_[slot];
           for (std::size_t n = 0; n < kBlockNodes; ++n) {
             if (accepted != nullptr && accepted[n] != 0) continue;
-            const double x = p.x[n], y = p.y[n], z = p.z[n];
-            const double known = p.bound[n] < kInfinite ? cell * std::sqrt(x * x + y * y + z * z) : std::abs(static_cast<double>(phi[n]));
-            phi[n] = with_sign_of(phi[n], std::min(known, options_.reach * cell));
+            double d = std::isinf(options_.reach) ? std::abs(static_cast<double>(phi[n])) : options_.reach * cell;
+            if (p.bound[n] < kInfinite) d = std::min(options_.reach * cell, cell * norm(offset(slot, static_cast<std::uint32_t>(n))));
+            phi[n] = with_sign_of(phi[n], d);
           }
         },
         64);
