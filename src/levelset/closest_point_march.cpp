@@ -48,7 +48,7 @@ class ClosestPointMarch {
       refine_all(refined);
     }
     march(options_.reach);
-    refine_in_finer_leaves();
+    refine_distant_nodes();
     store();
   }
 
@@ -224,7 +224,7 @@ class ClosestPointMarch {
     return octants;
   }
 
-  // A node and the finer leaf that holds its closest point.
+  // A node and the leaf that holds its closest point.
   struct DistantFoot {
     std::uint32_t holder, slot, node;
     bool operator<(const DistantFoot& b) const {
@@ -232,15 +232,16 @@ class ClosestPointMarch {
     }
   };
 
-  std::vector<DistantFoot> feet_in_finer_leaves() const {
+  std::vector<DistantFoot> distant_feet() const {
+    const bool everywhere = options_.method == RedistanceMethod::closest && options_.reach > kRefineReach;
     const T limit = static_cast<T>((options_.reach + 0.25) * (options_.reach + 0.25));
     std::vector<std::vector<DistantFoot>> parts((leaves_.size() + 255) / 256);
     parallel_ranges(leaves_.size(), 256, [&](std::size_t begin, std::size_t end) {
       for (std::size_t slot = begin; slot < end; ++slot)
-        for (std::uint32_t n = 0; tree_.level(leaves_[slot]) > 0 && n < kBlockNodes; ++n) {
+        for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
           if (!wants_refinement(slot, n, limit)) continue;
           const std::uint32_t holder = leaf_at(foot_of(slot, n), leaves_[slot]);
-          if (slot_[holder] != kNone && tree_.level(holder) < tree_.level(leaves_[slot]))
+          if (slot_[holder] != kNone && (everywhere || tree_.level(holder) != tree_.level(leaves_[slot])))
             parts[begin / 256].push_back({holder, static_cast<std::uint32_t>(slot), n});
         }
     });
@@ -250,10 +251,10 @@ class ClosestPointMarch {
     return feet;
   }
 
-  // Refines nodes whose closest points lie in finer leaves, on the lattice there: points carried from node to node of a coarse lattice
-  // are as far apart as its nodes. [T-REDIST-4]
-  void refine_in_finer_leaves() {
-    const std::vector<DistantFoot> feet = feet_in_finer_leaves();
+  // Refines nodes on the lattice that holds their closest points, where it is of another level: points carried from node to node of a
+  // coarse lattice are as far apart as its nodes. `closest` refines all nodes farther than `refine_all` goes as well. [T-REDIST-4]
+  void refine_distant_nodes() {
+    const std::vector<DistantFoot> feet = distant_feet();
     std::vector<std::size_t> first;  // of each holder
     for (std::size_t f = 0; f < feet.size(); ++f)
       if (f == 0 || feet[f - 1].holder != feet[f].holder) first.push_back(f);
