@@ -233,7 +233,7 @@ class ClosestPointMarch {
   };
 
   std::vector<DistantFoot> distant_feet() const {
-    const bool everywhere = options_.method == RedistanceMethod::closest && options_.reach > kRefineReach;
+    const bool everywhere = options_.method == RedistanceMethod::fmm || options_.reach > kRefineReach;
     const T limit = static_cast<T>((options_.reach + 0.25) * (options_.reach + 0.25));
     std::vector<std::vector<DistantFoot>> parts((leaves_.size() + 255) / 256);
     parallel_ranges(leaves_.size(), 256, [&](std::size_t begin, std::size_t end) {
@@ -251,8 +251,8 @@ class ClosestPointMarch {
     return feet;
   }
 
-  // Refines nodes on the lattice that holds their closest points, where it is of another level: points carried from node to node of a
-  // coarse lattice are as far apart as its nodes. `closest` refines all nodes farther than `refine_all` goes as well. [T-REDIST-4]
+  // Refines nodes on the lattice that holds their closest points: all that `refine_all` left. Points carried from node to node are as far
+  // apart as those nodes, and coarse ones are far apart. [T-REDIST-4]
   void refine_distant_nodes() {
     const std::vector<DistantFoot> feet = distant_feet();
     std::vector<std::size_t> first;  // of each holder

@@ -22,7 +22,7 @@ std::string_view name(RedistanceMethod method);  // "closest", "fmm", "pde-weno5
 struct RedistanceOptions {
   RedistanceMethod method = RedistanceMethod::closest;
   // Afterwards |phi| ends at this many cells of each leaf's own level. Infinite: nowhere.
-  double reach = std::numeric_limits<double>::infinity();
+  double reach = std::numeric_limits<double>::infinity();  // nodes that no surface reaches keep |phi| then
   // Nodes with a value other than 0 keep phi as it is: the thesis' ACCEPTED values, Dirichlet data. In phi's layout. Without
   // it the surface is that of phi's interpolant.
   const Field<std::uint8_t>* accepted = nullptr;
@@ -39,6 +39,9 @@ struct RedistanceResult {
 };
 
 // Replaces phi by the signed distance to the surface phi = 0 in all leaves that store values, of any level. Signs stay.
+// By closest points (closest, fmm) the error is O(h^4) where the distance is smooth, across level jumps too, phi's scale may vary, and the
+// surface moves by what tricubic interpolation of the given phi is off. At kinks and in noise results are finite and errors below
+// a cell. The two differ in how nodes within six cells are refined: `closest` does so on the lattice of the node's own leaf. [T-REDIST-1 to 4]
 // Same bits for any number of threads. Throws Error{interrupted}.
 template <class T>
 RedistanceResult redistance(BasicLevelSet<T>& level_set, const RedistanceOptions& options, Progress& progress = no_progress());
