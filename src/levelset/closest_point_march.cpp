@@ -14,6 +14,7 @@ namespace burnish::detail {
 namespace {
 
 constexpr std::size_t kGrain = 4;
+constexpr std::size_t kDistantGrain = 128;  // leaves whose nodes share what is gathered around their feet
 constexpr double kRebroadcast = 2;  // cells: refined nodes within this of the edge of what was refined start the next march
 constexpr double kUnsettled = 1;    // cells behind the front within which nodes may still take another point: coarser leaves lag by that
 constexpr int kFirstPass = 2;       // a radius of one cell: seeds are there already
@@ -232,40 +233,34 @@ class ClosestPointMarch {
     }
   };
 
-  std::vector<DistantFoot> distant_feet() const {
+  // Of the leaves from one to another, holder by holder.
+  std::vector<DistantFoot> distant_feet(std::size_t begin, std::size_t end) const {
     const bool everywhere = options_.method == RedistanceMethod::fmm || options_.reach > kRefineReach;
     const T limit = static_cast<T>((options_.reach + 0.25) * (options_.reach + 0.25));
-    std::vector<std::vector<DistantFoot>> parts((leaves_.size() + 255) / 256);
-    parallel_ranges(leaves_.size(), 256, [&](std::size_t begin, std::size_t end) {
-      for (std::size_t slot = begin; slot < end; ++slot)
-        for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
-          if (!wants_refinement(slot, n, limit)) continue;
-          const std::uint32_t holder = leaf_at(foot_of(slot, n), leaves_[slot]);
-          if (slot_[holder] != kNone && (everywhere || tree_.level(holder) != tree_.level(leaves_[slot])))
-            parts[begin / 256].push_back({holder, static_cast<std::uint32_t>(slot), n});
-        }
-    });
     std::vector<DistantFoot> feet;
-    for (const auto& part : parts) feet.insert(feet.end(), part.begin(), part.end());
-    parallel_sort(feet);
+    for (std::size_t slot = begin; slot < end; ++slot)
+      for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
+        if (!wants_refinement(slot, n, limit)) continue;
+        const std::uint32_t holder = leaf_at(foot_of(slot, n), leaves_[slot]);
+        if (slot_[holder] != kNone && (everywhere || tree_.level(holder) != tree_.level(leaves_[slot])))
+          feet.push_back({holder, static_cast<std::uint32_t>(slot), n});
+      }
+    std::sort(feet.begin(), feet.end());
     return feet;
   }
 
   // Refines nodes on the lattice that holds their closest points: all that `refine_all` left. Points carried from node to node are as far
   // apart as those nodes, and coarse ones are far apart. [T-REDIST-4]
   void refine_distant_nodes() {
-    const std::vector<DistantFoot> feet = distant_feet();
-    std::vector<std::size_t> first;  // of each holder
-    for (std::size_t f = 0; f < feet.size(); ++f)
-      if (f == 0 || feet[f - 1].holder != feet[f].holder) first.push_back(f);
-    first.push_back(feet.size());
-    parallel_ranges(first.size() - 1, kGrain, [&](std::size_t begin, std::size_t end) {
+    parallel_ranges(leaves_.size(), kDistantGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
       constexpr std::size_t side = kBlockSide + 2 * kWidestHalo;
       LargeArray<T> phi(side * side * side);
-      for (std::size_t h = begin; h < end; ++h) {
-        gather_smooth(tree_, set_.phi, feet[first[h]].holder, kWidestHalo, HaloOrder::cubic, phi.data());
-        for (std::size_t f = first[h]; f < first[h + 1]; ++f) refine_distant(Surroundings<T>{phi.data(), kWidestHalo}, feet[f]);
+      std::uint32_t gathered = kNone;
+      for (const DistantFoot& foot : distant_feet(begin, end)) {
+        if (foot.holder != gathered) gather_smooth(tree_, set_.phi, foot.holder, kWidestHalo, HaloOrder::cubic, phi.data());
+        gathered = foot.holder;
+        refine_distant(Surroundings<T>{phi.data(), kWidestHalo}, foot);
       }
     });
   }

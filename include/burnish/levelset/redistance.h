@@ -12,7 +12,7 @@ namespace burnish {
 
 enum class RedistanceMethod : std::uint8_t {
   closest,    // Newton's method for the closest point of a tricubic interpolant; the default
-  fmm,        // closest points beside the surface, marched outwards from there
+  fmm,        // closest points beside the surface, marched outwards from there and refined at the end
   pde_weno5,  // phi_t = S (1 - |grad phi|), HJ-WENO5 with TVD-RK3
   pde_first,  // the same of first order (the thesis' 2.7 and 2.8)
 };
