@@ -26,16 +26,22 @@ bool is_inside(const Vec3& p) {
   return fits(p.x) && fits(p.y) && fits(p.z);
 }
 
+SecondOrder interpolant(const double* phi, const Vec3& p) {
+  const int i = static_cast<int>(p.x), j = static_cast<int>(p.y), k = static_cast<int>(p.z);
+  return tricubic(phi + (i - 1) + kSide * ((j - 1) + kSide * (k - 1)), kSide, p - Vec3{double(i), double(j), double(k)});
+}
+
 // [T-REDIST-1]
 bool find_foot(const double* phi, const Vec3& x, Vec3& y, Vec3& normal) {
   y = x;
   for (int step = 0; step < kSteps; ++step) {
     if (!is_inside(y) || squared_norm(y - x) > kReach * kReach) return false;
-    const auto [value, g] = tricubic<kSide>(phi, y);
+    const SecondOrder at = interpolant(phi, y);
+    const Vec3& g = at.gradient;
     const double g2 = squared_norm(g);
     if (!(g2 > 0.25)) return false;
     normal = g * (-1 / std::sqrt(g2));
-    const Vec3 along = x - y, move = g * (-value / g2) + along - normal * dot(along, normal);
+    const Vec3 along = x - y, move = g * (-at.value / g2) + along - normal * dot(along, normal);
     y += move;
     if (squared_norm(move) < kEnough * kEnough) return true;
   }
@@ -46,11 +52,11 @@ bool find_foot(const double* phi, const Vec3& x, Vec3& y, Vec3& normal) {
 bool find_height(const double* phi, const Vec3& normal, Vec3& p) {
   for (int step = 0; step < kSteps; ++step) {
     if (!is_inside(p)) return false;
-    const auto [value, g] = tricubic<kSide>(phi, p);
-    const double slope = dot(g, normal);
+    const SecondOrder at = interpolant(phi, p);
+    const double slope = dot(at.gradient, normal);
     if (!(slope < -0.2)) return false;
-    p -= normal * (value / slope);
-    if (std::abs(value) < kEnough) return true;
+    p -= normal * (at.value / slope);
+    if (std::abs(at.value) < kEnough) return true;
   }
   return false;
 }
