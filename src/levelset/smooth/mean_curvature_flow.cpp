@@ -70,8 +70,11 @@ void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress
 
 // Runs the flow; after every redistancing `constrain` may correct phi.
 template <class T, class Constrain>
-FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Constrain&& constrain) {
+FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method, Progress& progress, Constrain&& constrain) {
   FlowResult result;
+  RedistanceOptions redistancing;
+  redistancing.method = method;
+  redistancing.reach = std::min(set.band, kFlowBand);
   if (time <= 0) return result;
   const int steps = static_cast<int>(std::ceil(time / kLargestStep));  // [T-FLOW-3]
   const double dt = time / steps;
@@ -80,7 +83,7 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Cons
     euler_step(set, dt, next, progress);
     std::swap(set.phi, next);
     if (step % kStepsPerRedistance == 0 || step == steps) {
-      redistance(set, kFlowBand, progress);
+      redistance(set, redistancing, progress);
       constrain();
       next = set.phi;
     }
@@ -106,8 +109,8 @@ void shift(Field<float>& phi, double by) {
 }  // namespace
 
 template <class T>
-FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress) {
-  return run_flow(level_set, time, progress, [] {});
+FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress, RedistanceMethod method) {
+  return run_flow(level_set, time, method, progress, [] {});
 }
 
 double flow_time_for(double length) {
@@ -124,7 +127,7 @@ SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& opti
   const auto constrain = [&] {
     if (options.deviation) clamp_to(reference, *options.deviation, level_set.phi);
   };
-  result.flow = run_flow(level_set, flow_time_for(options.length), progress, constrain);
+  result.flow = run_flow(level_set, flow_time_for(options.length), options.redistance, progress, constrain);
   result.volume_after = enclosed_volume(level_set);
   if (!options.keep_volume) return result;
 
@@ -149,7 +152,7 @@ SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& opti
   return result;
 }
 
-template FlowResult mean_curvature_flow(BasicLevelSet<float>&, double, Progress&);
-template FlowResult mean_curvature_flow(BasicLevelSet<double>&, double, Progress&);
+template FlowResult mean_curvature_flow(BasicLevelSet<float>&, double, Progress&, RedistanceMethod);
+template FlowResult mean_curvature_flow(BasicLevelSet<double>&, double, Progress&, RedistanceMethod);
 
 }  // namespace burnish
