@@ -1,0 +1,238 @@
+#include "curvature_kernel.h"
+
+#include <cstring>
+
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__clang__)
+#define BURNISH_DISPATCH __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
+#else
+#define BURNISH_DISPATCH
+#endif
+// Inlined into every clone, so that it is compiled for that clone's processor.
+#define BURNISH_INLINE inline __attribute__((always_inline))
+
+namespace burnish::detail {
+namespace {
+
+typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
+typedef std::int64_t Mask __attribute__((vector_size(kBlockSide * sizeof(std::int64_t))));
+typedef std::int8_t Bytes __attribute__((vector_size(kBlockSide)));
+
+using Lanes = std::array<double, kBlockSide>;
+
+BURNISH_INLINE Row load(const double* from) {
+  Row row;
+  std::memcpy(&row, from, sizeof row);
+  return row;
+}
+BURNISH_INLINE void store(const Row& row, double* to) { std::memcpy(to, &row, sizeof row); }
+
+// One lane per node of the stencil: weights of the value, the first and the second derivative as polynomials in the place s = -1/2 ... 1/2
+// between the two middle nodes; coefficient [d] belongs to s^d.
+template <int most>
+struct Basis {
+  static constexpr int kDegree = most;
+  std::array<Lanes, most + 1> value{}, first{}, second{};
+};
+
+// [T-CURV-3]
+template <int points>
+constexpr Basis<points - 1> lagrange_basis() {
+  Basis<points - 1> basis;
+  for (int i = 0; i < points; ++i) {
+    std::array<double, points> c{1};  // the product of (s - s_j) / (i - j), s_j = j - (points - 1) / 2
+    int degree = 0;
+    for (int j = 0; j < points; ++j) {
+      if (j == i) continue;
+      const double root = j - 0.5 * (points - 1);
+      ++degree;
+      for (int d = degree; d >= 0; --d) {
+        const auto dd = static_cast<std::size_t>(d);
+        c[dd] = ((d > 0 ? c[dd - 1] : 0) - root * c[dd]) / (i - j);
+      }
+    }
+    const auto lane = static_cast<std::size_t>(i);
+    for (std::size_t d = 0; d < points; ++d) {
+      basis.value[d][lane] = c[d];
+      if (d >= 1) basis.first[d - 1][lane] = static_cast<double>(d) * c[d];
+      if (d >= 2) basis.second[d - 2][lane] = static_cast<double>(d * (d - 1)) * c[d];
+    }
+  }
+  return basis;
+}
+
+// [T-CURV-4]: differences at the two middle nodes, times 1/2 - s and 1/2 + s.
+constexpr Basis<1> central_basis() {
+  Basis<1> basis;
+  basis.value = {Lanes{0, 0.5, 0.5, 0}, Lanes{0, -1, 1, 0}};
+  basis.first = {Lanes{-0.25, -0.25, 0.25, 0.25}, Lanes{0.5, -0.5, -0.5, 0.5}};
+  basis.second = {Lanes{0.5, -0.5, -0.5, 0.5}, Lanes{-1, 3, -3, 1}};
+  return basis;
+}
+
+alignas(64) constexpr auto kCubic = lagrange_basis<4>();
+alignas(64) constexpr auto kQuintic = lagrange_basis<6>();
+alignas(64) constexpr auto kSeptic = lagrange_basis<8>();
+alignas(64) constexpr auto kCentral = central_basis();
+
+template <int degree, std::size_t size>
+BURNISH_INLINE Row horner(const std::array<Lanes, size>& c, double s) {
+  Row sum = load(c[degree].data());
+#pragma GCC unroll 8
+  for (int d = degree - 1; d >= 0; --d) sum = sum * s + load(c[static_cast<std::size_t>(d)].data());
+  return sum;
+}
+
+// What an axis contributes: the stencil's lowest node, and the weights there.
+template <int points, int degree, bool with_second>
+struct Axis {
+  int first;
+  Row value, slope, bend;
+
+  BURNISH_INLINE Axis(const Basis<degree>& basis, double p) : first(first_node(points, p)), bend{} {
+    constexpr bool is_polynomial = degree == points - 1;  // derivatives of lower degree
+    const double s = p - (first + 0.5 * (points - 1));
+    value = horner<degree>(basis.value, s);
+    slope = horner<is_polynomial ? degree - 1 : degree>(basis.first, s);
+    if constexpr (with_second) bend = horner<is_polynomial ? degree - 2 : degree>(basis.second, s);
+  }
+};
+
+// Sums of the lanes of eight rows, one per lane, pairs first.
+BURNISH_INLINE Row pair_sums(const Row& a, const Row& b) {
+  return __builtin_shufflevector(a, b, 0, 8, 2, 10, 4, 12, 6, 14) + __builtin_shufflevector(a, b, 1, 9, 3, 11, 5, 13, 7, 15);
+}
+BURNISH_INLINE Row quad_sums(const Row& a, const Row& b) {
+  return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13) + __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
+}
+BURNISH_INLINE Row octet_sums(const Row& a, const Row& b) {
+  return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11) + __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+template <int points, int degree>
+BURNISH_INLINE void jet_with(const Basis<degree>& basis, const double* phi, const Vec3& p, Jet& jet) {
+  const Axis<points, degree, true> x(basis, p.x), y(basis, p.y), z(basis, p.z);
+  alignas(64) std::array<double, kBlockSide> y0, y1, y2, z0, z1, z2;
+  store(y.value, y0.data()), store(y.slope, y1.data()), store(y.bend, y2.data());
+  store(z.value, z0.data()), store(z.slope, z1.data()), store(z.bend, z2.data());
+  const double* corner = phi + x.first + kJetSide * (y.first + kJetSide * z.first);
+  // Names: derivatives in y and in z.
+  Row f00{}, f10{}, f20{}, f01{}, f11{}, f02{};
+  for (std::size_t b = 0; b < points; ++b) {
+    Row g0{}, g1{}, g2{};
+#pragma GCC unroll 8
+    for (std::size_t c = 0; c < points; ++c) {
+      const Row row = load(corner + kJetSide * (b + kJetSide * c));
+      g0 += row * z0[c];
+      g1 += row * z1[c];
+      g2 += row * z2[c];
+    }
+    f00 += g0 * y0[b];
+    f10 += g0 * y1[b];
+    f20 += g0 * y2[b];
+    f01 += g1 * y0[b];
+    f11 += g1 * y1[b];
+    f02 += g2 * y0[b];
+  }
+  const Row most = octet_sums(quad_sums(pair_sums(f00 * x.value, f00 * x.slope), pair_sums(f10 * x.value, f01 * x.value)),
+                              quad_sums(pair_sums(f00 * x.bend, f10 * x.slope), pair_sums(f01 * x.slope, f20 * x.value)));
+  const Row last = quad_sums(pair_sums(f11 * x.value, f02 * x.value), Row{});
+  jet = {most[0], {most[1], most[2], most[3]}, most[4], most[5], most[6], most[7], last[0] + last[4], last[1] + last[5]};
+}
+
+template <class T>
+BURNISH_INLINE Row load_scaled(const T* from, double scale) {
+  typedef T Values __attribute__((vector_size(kBlockSide * sizeof(T))));
+  Values values;
+  std::memcpy(&values, from, sizeof values);
+  return __builtin_convertvector(values, Row) * scale;
+}
+
+// A bit per lane, lane 0 lowest.
+BURNISH_INLINE unsigned bits_of(const Mask& mask) {
+  const Bytes bytes = __builtin_convertvector(mask, Bytes);
+  std::uint64_t all;
+  std::memcpy(&all, &bytes, sizeof all);
+  return static_cast<unsigned>(((all & 0x8040201008040201u) * 0x0101010101010101u) >> 56);
+}
+
+BURNISH_INLINE std::size_t part_of(int node) { return node < kJetWidth ? 0 : node < kJetWidth + kBlockSide ? 1 : 2; }
+
+template <class T>
+BURNISH_INLINE void fill_with(const T* gathered, double scale, const JetLimits& limits, JetBlock& block) {
+  std::array<std::uint16_t, JetBlock::kRowMasks> rows;
+  for (int z = 0; z < kJetSide; ++z)
+    for (int y = 0; y < kJetSide; ++y) {
+      const auto row = static_cast<std::size_t>(y + kJetSide * z);
+      const double* limit = limits[part_of(y) + 3 * part_of(z)].data();
+      unsigned bits = 0;
+      for (int half = 0; half < 2; ++half) {
+        const int x = kBlockSide * half;
+        const Row v = load_scaled(gathered + kJetSide * row + x, scale);
+        store(v, block.phi.data() + kJetSide * row + x);
+        bits |= bits_of((v < Row{} ? -v : v) >= load(limit + x)) << x;
+      }
+      rows[row] = static_cast<std::uint16_t>(bits);
+    }
+  // Boxes of four rows, of six, of eight.
+  for (std::size_t k = 0; k < 3; ++k) {
+    const std::size_t points = 4 + 2 * k, ends = kJetSide - points + 1;
+    std::array<std::uint16_t, JetBlock::kRowMasks> layers;
+    for (std::size_t row = 0; row < kJetSide * ends; ++row) {
+      unsigned any = 0;
+      for (std::size_t c = 0; c < points; ++c) any |= rows[row + kJetSide * c];
+      layers[row] = static_cast<std::uint16_t>(any);
+    }
+    for (std::size_t z = 0; z < ends; ++z)
+      for (std::size_t y = 0; y < ends; ++y) {
+        unsigned any = 0;
+        for (std::size_t b = 0; b < points; ++b) any |= layers[y + b + kJetSide * z];
+        block.clamped[k][y + kJetSide * z] = static_cast<std::uint16_t>(any);
+      }
+  }
+}
+
+}  // namespace
+
+BURNISH_DISPATCH
+void fill(const float* gathered, double scale, const JetLimits& limits, JetBlock& block) { fill_with(gathered, scale, limits, block); }
+
+BURNISH_DISPATCH
+void fill(const double* gathered, double scale, const JetLimits& limits, JetBlock& block) { fill_with(gathered, scale, limits, block); }
+
+BURNISH_DISPATCH
+void cubic(const JetBlock& block, const Vec3& p, double& value, Vec3& gradient) {
+  const Axis<4, 3, false> x(kCubic, p.x), y(kCubic, p.y), z(kCubic, p.z);
+  alignas(64) std::array<double, kBlockSide> y0, y1, z0, z1;
+  store(y.value, y0.data()), store(y.slope, y1.data());
+  store(z.value, z0.data()), store(z.slope, z1.data());
+  const double* corner = block.phi.data() + x.first + kJetSide * (y.first + kJetSide * z.first);
+  Row f00{}, f10{}, f01{};
+#pragma GCC unroll 4
+  for (std::size_t b = 0; b < 4; ++b) {
+    Row g0{}, g1{};
+#pragma GCC unroll 4
+    for (std::size_t c = 0; c < 4; ++c) {
+      const Row row = load(corner + kJetSide * (b + kJetSide * c));
+      g0 += row * z0[c];
+      g1 += row * z1[c];
+    }
+    f00 += g0 * y0[b];
+    f10 += g0 * y1[b];
+    f01 += g1 * y0[b];
+  }
+  const Row sums = quad_sums(pair_sums(f00 * x.value, f00 * x.slope), pair_sums(f10 * x.value, f01 * x.value));
+  value = sums[0] + sums[4];
+  gradient = {sums[1] + sums[5], sums[2] + sums[6], sums[3] + sums[7]};
+}
+
+BURNISH_DISPATCH
+void jet_of_second_order(const JetBlock& block, const Vec3& p, Jet& jet) { jet_with<4>(kCentral, block.phi.data(), p, jet); }
+
+BURNISH_DISPATCH
+void jet_of_fourth_order(const JetBlock& block, const Vec3& p, Jet& jet) { jet_with<6>(kQuintic, block.phi.data(), p, jet); }
+
+BURNISH_DISPATCH
+void jet_of_sixth_order(const JetBlock& block, const Vec3& p, Jet& jet) { jet_with<8>(kSeptic, block.phi.data(), p, jet); }
+
+}  // namespace burnish::detail
