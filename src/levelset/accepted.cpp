@@ -38,9 +38,12 @@ class HalfView {
   void fill(std::uint8_t least, Halves& halves) const {
     halves.fill(0);
     for (int dir = 0; dir < kDirections; ++dir) {
-      const NeighborKind kind = dir == kSelf ? NeighborKind::same : tree_.neighbor_kind(leaf_, dir);
-      if (kind == NeighborKind::wall) continue;
-      const std::uint32_t other = dir == kSelf ? leaf_ : kind == NeighborKind::finer ? Octree::kNone : tree_.neighbor(leaf_, dir);
+      if (dir != kSelf && tree_.neighbor_kind(leaf_, dir) == NeighborKind::wall) continue;
+      const std::uint32_t other = tree_.neighbor_kind(leaf_, dir) == NeighborKind::finer ? Octree::kNone : tree_.neighbor(leaf_, dir);
+      if (dir == kSelf) {
+        fill_own(least, halves);
+        continue;
+      }
       const auto [dx, dy, dz] = offset_of(dir);
       const Span xs = span_of(dx), ys = span_of(dy), zs = span_of(dz);
       for (int z = zs.begin; z < zs.end; ++z)
@@ -50,6 +53,15 @@ class HalfView {
   }
 
  private:
+  void fill_own(std::uint8_t least, Halves& halves) const {
+    const std::uint8_t* own = cells_.block(leaf_);
+    for (int z = 0; z < kHalves; ++z)
+      for (int y = 0; y < kHalves; ++y) {
+        const std::uint8_t* row = own + node_index(0, y / 2, z / 2);
+        for (int x = 0; x < kHalves; ++x) halves[half_index(x, y, z)] = row[x / 2] >= least;
+      }
+  }
+
   // `other`: the leaf that holds the cube, unless there are several on that side.
   std::uint8_t value(std::uint32_t other, int x, int y, int z) const {
     const std::array<std::int64_t, 3> doubled{at(corner_.x, x), at(corner_.y, y), at(corner_.z, z)};
@@ -73,18 +85,21 @@ class HalfView {
   const LatticeNode corner_;
 };
 
-// out[n] = whether some cube is set in a box about place n: from cube 2 n - 1 on, `width` of them along each axis.
+// out[n] = whether some cube is set in a box about place n: from cube 2 n - 1 on, `width` of them along each axis. Axis by axis.
 std::array<std::uint8_t, kBlockNodes> any_within(const Halves& halves, int width) {
-  std::array<std::uint8_t, kBlockNodes> out;
-  for (int k = 0; k < kBlockSide; ++k)
-    for (int j = 0; j < kBlockSide; ++j)
-      for (int i = 0; i < kBlockSide; ++i) {
-        std::uint8_t any = 0;
-        for (int z = 2 * k - 1; z < 2 * k - 1 + width; ++z)
-          for (int y = 2 * j - 1; y < 2 * j - 1 + width; ++y)
-            for (int x = 2 * i - 1; x < 2 * i - 1 + width; ++x) any |= halves[half_index(x, y, z)];
-        out[node_index(i, j, k)] = any;
-      }
+  constexpr std::size_t plane = std::size_t{kSide} * kSide, thin = std::size_t{kBlockSide} * kSide;
+  std::array<std::uint8_t, kBlockSide * plane> along_z{};
+  std::array<std::uint8_t, kBlockSide * thin> along_yz{};
+  std::array<std::uint8_t, kBlockNodes> out{};
+  for (std::size_t k = 0; k < kBlockSide; ++k)
+    for (std::size_t z = 2 * k; z < 2 * k + static_cast<std::size_t>(width); ++z)
+      for (std::size_t n = 0; n < plane; ++n) along_z[n + plane * k] |= halves[n + plane * z];
+  for (std::size_t k = 0; k < kBlockSide; ++k)
+    for (std::size_t j = 0; j < kBlockSide; ++j)
+      for (std::size_t y = 2 * j; y < 2 * j + static_cast<std::size_t>(width); ++y)
+        for (std::size_t x = 0; x < kSide; ++x) along_yz[x + kSide * j + thin * k] |= along_z[x + kSide * y + plane * k];
+  for (std::size_t n = 0; n < kBlockNodes; ++n)
+    for (std::size_t x = 2 * (n % 8); x < 2 * (n % 8) + static_cast<std::size_t>(width); ++x) out[n] |= along_yz[x + kSide * (n / 8)];
   return out;
 }
 
@@ -116,7 +131,7 @@ void mark_cut(const TriangleSoup& soup, const SurfaceOctree& grid, const std::ve
       std::uint8_t* marks = cells.block(leaf);
       for (const std::uint32_t f : octant.facets)
         if (active.empty() || active[f]) detail::for_cells_cut(octant, f, [&](std::size_t cell) {
-          marks[cell] = static_cast<std::uint8_t>(CellMark::cut);
+          marks[cell] = static_cast<std::uint8_t>(AcceptedMark::cut);
           return false;
         });
     }
@@ -125,7 +140,7 @@ void mark_cut(const TriangleSoup& soup, const SurfaceOctree& grid, const std::ve
 
 // For each of the leaves, put(leaf, marks) with what `cells`' cubes of at least `least` have in the box about each place.
 template <class Put>
-void for_surroundings(const Octree& tree, const Field<std::uint8_t>& cells, CellMark least, int width, Progress& progress, Put&& put) {
+void for_surroundings(const Octree& tree, const Field<std::uint8_t>& cells, AcceptedMark least, int width, Progress& progress, Put&& put) {
   const std::vector<std::uint32_t> leaves = leaves_around(tree, cells, static_cast<std::uint8_t>(least));
   parallel_ranges(leaves.size(), 16, [&](std::size_t begin, std::size_t end) {
     progress.check();
@@ -157,16 +172,16 @@ AcceptedCells accepted_cells(const TriangleSoup& lattice_soup, const BasicLevelS
   mark_cut(lattice_soup, level_set.grid, active, cut, progress);
   result.cells = cut;
   // Cells touch where their cubes of half the smaller one's side do: four along each axis, the cell's own two in their middle.
-  for_surroundings(tree, cut, CellMark::cut, 4, progress, [&](std::uint32_t leaf, const auto& touched) {
+  for_surroundings(tree, cut, AcceptedMark::cut, 4, progress, [&](std::uint32_t leaf, const auto& touched) {
     std::uint8_t* marks = result.cells.block(leaf);
     for (std::size_t n = 0; n < kBlockNodes; ++n) marks[n] = std::max(marks[n], touched[n]);
   });
   // A node is in the cells of the eight cubes around it.
   result.nodes = Field<std::uint8_t>::like(level_set.phi, 0, 0);
-  for_surroundings(tree, result.cells, CellMark::neighbor, 2, progress,
+  for_surroundings(tree, result.cells, AcceptedMark::neighbor, 2, progress,
                    [&](std::uint32_t leaf, const auto& held) { std::copy(held.begin(), held.end(), result.nodes.block(leaf)); });
-  result.cells_cut = count_at_least(result.cells, static_cast<std::uint8_t>(CellMark::cut));
-  result.cells_accepted = count_at_least(result.cells, static_cast<std::uint8_t>(CellMark::neighbor));
+  result.cells_cut = count_at_least(result.cells, static_cast<std::uint8_t>(AcceptedMark::cut));
+  result.cells_accepted = count_at_least(result.cells, static_cast<std::uint8_t>(AcceptedMark::neighbor));
   result.nodes_accepted = count_at_least(result.nodes, 1);
   return result;
 }

@@ -77,7 +77,7 @@ struct Cell {
   std::size_t leaf, place;
   LatticeNode low;
   int side;
-  CellMark mark = CellMark::none;
+  AcceptedMark mark = AcceptedMark::none;
 };
 
 // All cells, and which of them each finest cell of the domain belongs to.
@@ -112,11 +112,11 @@ Cells marked_by_brute_force(const Case& c) {
     for (std::uint32_t f = 0; f < c.soup.facets.size(); ++f)
       if ((c.active.empty() || c.active[f]) &&
           triangle_overlaps_cube(c.soup.corner(f, 0), c.soup.corner(f, 1), c.soup.corner(f, 2), to_vec(cell.low) + Vec3{1, 1, 1} * (0.5 * cell.side), 0.5 * cell.side))
-        cell.mark = CellMark::cut;
+        cell.mark = AcceptedMark::cut;
   // Cells that touch have finest cells that do.
   for (std::size_t i = 0; i < cells.all.size(); ++i)
-    if (cells.all[i].mark == CellMark::cut)
-      cells.for_voxels(Cell(cells.all[i]), 1, [&](std::uint32_t other) { cells.all[other].mark = std::max(cells.all[other].mark, CellMark::neighbor); });
+    if (cells.all[i].mark == AcceptedMark::cut)
+      cells.for_voxels(Cell(cells.all[i]), 1, [&](std::uint32_t other) { cells.all[other].mark = std::max(cells.all[other].mark, AcceptedMark::neighbor); });
   return cells;
 }
 
@@ -133,9 +133,9 @@ TEST(AcceptedCells, AreThoseThatFacetsCutAndTheirNeighborsAcrossLevels) {
     std::vector<char> levels(kDepth + 1);
     for (const Cell& cell : cells.all) {
       ASSERT_EQ(accepted.cells.block(cell.leaf)[cell.place], static_cast<std::uint8_t>(cell.mark)) << "leaf " << cell.leaf << ", cell " << cell.place;
-      cut += cell.mark == CellMark::cut;
-      marked += cell.mark != CellMark::none;
-      if (cell.mark != CellMark::none) levels[static_cast<std::size_t>(tree.level(cell.leaf))] = 1;
+      cut += cell.mark == AcceptedMark::cut;
+      marked += cell.mark != AcceptedMark::none;
+      if (cell.mark != AcceptedMark::none) levels[static_cast<std::size_t>(tree.level(cell.leaf))] = 1;
     }
     EXPECT_EQ(accepted.cells_cut, cut);
     EXPECT_EQ(accepted.cells_accepted, marked);
@@ -155,7 +155,7 @@ TEST(AcceptedCells, AreThoseThatFacetsCutAndTheirNeighborsAcrossLevels) {
       for (int n = 0; n < static_cast<int>(kBlockNodes); ++n) {
         const LatticeNode node = lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64);
         bool held = false;
-        cells.for_voxels({leaf, 0, node, 0}, 1, [&](std::uint32_t cell) { held |= cells.all[cell].mark != CellMark::none; });
+        cells.for_voxels({leaf, 0, node, 0}, 1, [&](std::uint32_t cell) { held |= cells.all[cell].mark != AcceptedMark::none; });
         ASSERT_EQ(accepted.nodes.block(leaf)[n] != 0, held) << "leaf " << leaf << ", node " << n;
         nodes += held;
         const double distance = facets.empty() ? 1e9 : std::sqrt(squared[static_cast<std::size_t>(n)]), cell = std::ldexp(1.0, tree.level(leaf));

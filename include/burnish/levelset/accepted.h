@@ -22,10 +22,10 @@ namespace burnish {
 // surface, twice that.
 double accepted_band(bool several_levels);
 
-enum class CellMark : std::uint8_t { none, neighbor, cut };
+enum class AcceptedMark : std::uint8_t { none, neighbor, cut };
 
 struct AcceptedCells {
-  Field<std::uint8_t> cells;     // a CellMark of each cell, at the place of its lower node
+  Field<std::uint8_t> cells;     // a AcceptedMark of each cell, at the place of its lower node
   Field<std::uint8_t> nodes;     // 1: ACCEPTED
   std::uint64_t cells_cut = 0;
   std::uint64_t cells_accepted = 0;  // these, and their neighbours
