@@ -1,0 +1,16 @@
+// What the curvatures at a surface's points amount to.
+#pragma once
+
+#include <span>
+
+#include "burnish/levelset/curvature.h"
+#include "burnish/pipeline/curvature.h"
+#include "burnish/surface/triangle_soup.h"
+
+namespace burnish {
+
+// In model units: those of `at` are per finest cell. `surface` in model units, one of `at` for each of its points; with `mean_only` nothing but k1 + k2
+// is looked at. Leaves mean_edge to the caller. [T-CURV-7]
+CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<const FrontCurvature> at, double cell, CurvatureOrder order, bool mean_only);
+
+}  // namespace burnish
