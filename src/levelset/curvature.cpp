@@ -18,10 +18,10 @@ using namespace detail;
 constexpr std::uint32_t kNone = Octree::kNone;
 constexpr double kReach = 2;            // cells from a point to its foot
 constexpr int kRoughSteps = 12;
-constexpr double kRough = 1e-3;         // cells: from here Newton's method, which has second derivatives, ends in one or two steps
+constexpr double kRough = 1e-2;         // cells: from here Newton's method, which has second derivatives, mostly ends in two steps
 constexpr double kFoot = 1e-4;          // cells: what curvatures of second order need of a foot
 constexpr int kFineSteps = 6;
-constexpr double kFine = 1e-8;          // cells
+constexpr double kFineFourth = 1e-6, kFineSixth = 1e-8;  // cells
 constexpr double kUnsettled = 0.05;     // cells: between two cells, where gradients jump, steps can go to and fro; larger ones are kinks
 constexpr double kFlattest = 0.75, kSteepest = 4.0 / 3;  // |grad phi|
 constexpr double kSharpest = 2;         // the largest curvature that a lattice can show, per cell
@@ -76,7 +76,7 @@ class FrontCurvatures {
         found_[i].foot = points_[i];
       }
     });
-    // Feet in other leaves than their points' are found there once more: derivatives come from the foot's own leaf.
+    // Feet in leaves that their points' leaves cannot see for are found there once more: derivatives come from the foot's own level.
     visit_groups(true);
     visit_groups(false);
     return std::move(found_);
@@ -134,9 +134,17 @@ class FrontCurvatures {
     const morton::Position c = tree_.corner(leaf);
     return (p - Vec3{kJetWidth, kJetWidth, kJetWidth}) * (1 << tree_.level(leaf)) + Vec3{8.0 * c.x, 8.0 * c.y, 8.0 * c.z};
   }
-  static bool is_in_block(const Vec3& p) {
-    const auto is_in = [](double x) { return x >= kJetWidth && x < kJetWidth + kBlockSide; };
-    return is_in(p.x) && is_in(p.y) && is_in(p.z);
+  // Whether derivatives at p, in the array of the leaf, are those in the array of the leaf that holds p: it is this leaf, or one of the same level
+  // whose stencils this array holds.
+  bool serves(std::uint32_t leaf, const Vec3& p) const {
+    const int low = points_of(order_) / 2 - 1, high = kJetSide - points_of(order_) / 2;
+    std::array<int, 3> toward{};
+    for (int a = 0; a < 3; ++a) {
+      if (!(p[a] >= low && p[a] < high)) return false;
+      toward[static_cast<std::size_t>(a)] = p[a] < kJetWidth ? -1 : p[a] < kJetWidth + kBlockSide ? 0 : 1;
+    }
+    const int dir = direction(toward[0], toward[1], toward[2]);
+    return dir == kSelf || tree_.neighbor_kind(leaf, dir) == NeighborKind::same;
   }
 
   void visit_point(std::uint32_t leaf, const JetBlock& block, std::uint32_t i, bool may_move) {
@@ -145,7 +153,7 @@ class FrontCurvatures {
     Vec3 y = to_array(leaf, found.foot);
     leaf_of_[i] = kNone;
     if (!find_foot(block, x, y)) return;
-    if (may_move && !is_in_block(y)) {
+    if (may_move && !serves(leaf, y)) {
       found.foot = to_lattice(leaf, y);
       leaf_of_[i] = leaf_at(found.foot, leaf);
       return;
@@ -181,6 +189,7 @@ class FrontCurvatures {
   // The jet at the closest point to x, near y, and its order: the highest that is asked for and whose stencil is free of clamped values. 0: none.
   int find_jet(const JetBlock& block, const Vec3& x, Vec3& y, Jet& jet) const {
     int order = order_;
+    const double fine = order == 4 ? kFineFourth : kFineSixth;
     for (int step = 0; step < kFineSteps; ++step) {
       while (!block.is_free(points_of(order), y))
         if ((order -= 2) == 0) return 0;
@@ -192,7 +201,7 @@ class FrontCurvatures {
       y += move;
       const double longest = step + 1 < kFineSteps ? 1 : kUnsettled;
       if (!(squared_norm(move) < longest * longest)) return 0;
-      if (squared_norm(move) < kFine * kFine) break;
+      if (squared_norm(move) < fine * fine) break;
     }
     return order;
   }

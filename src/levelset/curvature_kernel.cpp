@@ -2,30 +2,14 @@
 
 #include <cstring>
 
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__SANITIZE_THREAD__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__clang__)
-#define BURNISH_DISPATCH __attribute__((target_clones("default", "arch=x86-64-v3", "arch=x86-64-v4")))
-#else
-#define BURNISH_DISPATCH
-#endif
-// Inlined into every clone, so that it is compiled for that clone's processor.
-#define BURNISH_INLINE inline __attribute__((always_inline))
+#include "kernel_rows.h"
 
 namespace burnish::detail {
 namespace {
 
-typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
-typedef std::int64_t Mask __attribute__((vector_size(kBlockSide * sizeof(std::int64_t))));
 typedef std::int8_t Bytes __attribute__((vector_size(kBlockSide)));
 
 using Lanes = std::array<double, kBlockSide>;
-
-BURNISH_INLINE Row load(const double* from) {
-  Row row;
-  std::memcpy(&row, from, sizeof row);
-  return row;
-}
-BURNISH_INLINE void store(const Row& row, double* to) { std::memcpy(to, &row, sizeof row); }
 
 // One lane per node of the stencil: weights of the value, the first and the second derivative as polynomials in the place s = -1/2 ... 1/2
 // between the two middle nodes; coefficient [d] belongs to s^d.
@@ -138,14 +122,6 @@ BURNISH_INLINE void jet_with(const Basis<degree>& basis, const double* phi, cons
                               quad_sums(pair_sums(f00 * x.bend, f10 * x.slope), pair_sums(f01 * x.slope, f20 * x.value)));
   const Row last = quad_sums(pair_sums(f11 * x.value, f02 * x.value), Row{});
   jet = {most[0], {most[1], most[2], most[3]}, most[4], most[5], most[6], most[7], last[0] + last[4], last[1] + last[5]};
-}
-
-template <class T>
-BURNISH_INLINE Row load_scaled(const T* from, double scale) {
-  typedef T Values __attribute__((vector_size(kBlockSide * sizeof(T))));
-  Values values;
-  std::memcpy(&values, from, sizeof values);
-  return __builtin_convertvector(values, Row) * scale;
 }
 
 // A bit per lane, lane 0 lowest.

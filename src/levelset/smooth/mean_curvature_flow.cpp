@@ -8,6 +8,7 @@
 #include "burnish/core/parallel.h"
 #include "burnish/levelset/redistance.h"
 #include "burnish/levelset/volume.h"
+#include "../curvature_formula.h"
 
 namespace burnish {
 namespace {
@@ -30,7 +31,7 @@ double curvature_speed(At&& at) {
   const double yz = 0.25 * (at(0, 1, 1) - at(0, 1, -1) - at(0, -1, 1) + at(0, -1, -1));
   const double g2 = x * x + y * y + z * z;
   if (g2 < 1e-12) return 0;
-  const double speed = ((y * y + z * z) * xx + (x * x + z * z) * yy + (x * x + y * y) * zz - 2 * (x * y * xy + x * z * xz + y * z * yz)) / g2;
+  const double speed = detail::curvature_times_cube(x, y, z, xx, yy, zz, xy, xz, yz) / g2;
   const double limit = kSteepest * std::sqrt(g2);
   return std::clamp(speed, -limit, limit);
 }
