@@ -10,7 +10,7 @@
 namespace burnish {
 
 // In model units: those of `at` are per finest cell. `surface` in model units, one of `at` for each of its points; with `mean_only` nothing but k1 + k2
-// is looked at. Leaves mean_edge to the caller. [T-CURV-7]
+// is looked at. Leaves mean_edge to the caller. [T-GAUSS-1]
 CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<const FrontCurvature> at, double cell, CurvatureOrder order, bool mean_only);
 
 }  // namespace burnish
