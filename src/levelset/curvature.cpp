@@ -8,6 +8,7 @@
 
 #include "burnish/core/parallel.h"
 #include "curvature_kernel.h"
+#include "point_groups.h"
 #include "shape_operator.h"
 
 namespace burnish {
@@ -15,7 +16,6 @@ namespace {
 
 using namespace detail;
 
-constexpr std::uint32_t kNone = Octree::kNone;
 constexpr double kReach = 2;            // cells from a point to its foot
 constexpr int kRoughSteps = 12;
 constexpr double kRough = 1e-2;         // cells: from here Newton's method, which has second derivatives, mostly ends in two steps
@@ -35,47 +35,15 @@ void jet_of_order(int order, const JetBlock& block, const Vec3& p, Jet& jet) {
   jet_of_sixth_order(block, p, jet);
 }
 
-// Points in leaves: those of leaf groups[g] are order[first[g]] ... order[first[g + 1]] - 1.
-struct PointGroups {
-  std::vector<std::uint32_t> leaves, order;
-  std::vector<std::size_t> first;
-};
-
-// Points with leaf kNone are in no group.
-PointGroups grouped(const std::vector<std::uint32_t>& leaf_of, std::size_t leaves) {
-  PointGroups groups;
-  std::vector<std::size_t> place(leaves);
-  for (const std::uint32_t leaf : leaf_of)
-    if (leaf != kNone) ++place[leaf];
-  for (std::uint32_t leaf = 0; leaf < leaves; ++leaf)
-    if (place[leaf] > 0) {
-      groups.leaves.push_back(leaf);
-      groups.first.push_back(place[leaf]);
-    }
-  groups.first.push_back(0);
-  groups.order.resize(exclusive_scan_in_place(groups.first));
-  for (std::size_t g = 0; g < groups.leaves.size(); ++g) place[groups.leaves[g]] = groups.first[g];
-  for (std::uint32_t i = 0; i < leaf_of.size(); ++i)
-    if (leaf_of[i] != kNone) groups.order[place[leaf_of[i]]++] = i;
-  return groups;
-}
-
 template <class T>
 class FrontCurvatures {
  public:
   FrontCurvatures(const BasicLevelSet<T>& set, std::span<const Vec3> points, CurvatureOrder order, Progress& progress)
       : set_(set), tree_(set.octree()), points_(points), order_(static_cast<int>(order)), progress_(progress), found_(points.size()),
-        leaf_of_(points.size(), kNone) {}
+        leaf_of_(storing_leaves(tree_, set.phi, points)) {}
 
   std::vector<FrontCurvature> run() {
-    parallel_ranges(points_.size(), kDefaultGrain, [&](std::size_t begin, std::size_t end) {
-      std::uint32_t near = 0;
-      for (std::size_t i = begin; i < end; ++i) {
-        leaf_of_[i] = leaf_at(points_[i], near);
-        if (leaf_of_[i] != kNone) near = leaf_of_[i];
-        found_[i].foot = points_[i];
-      }
-    });
+    for (std::size_t i = 0; i < points_.size(); ++i) found_[i].foot = points_[i];
     // Feet in leaves that their points' leaves cannot see for are found there once more: derivatives come from the foot's own level.
     visit_groups(true);
     visit_groups(false);
@@ -83,18 +51,8 @@ class FrontCurvatures {
   }
 
  private:
-  // The leaf that stores values around p, or kNone.
-  std::uint32_t leaf_at(const Vec3& p, std::uint32_t near) const {
-    const double side = static_cast<double>(tree_.side()) * kBlockSide;
-    for (int a = 0; a < 3; ++a)
-      if (!(p[a] >= 0 && p[a] < side)) return kNone;
-    const auto block = [](double x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
-    const std::uint32_t leaf = tree_.find_near(near, {block(p.x), block(p.y), block(p.z)});
-    return set_.phi.stores(leaf) ? leaf : kNone;
-  }
-
   void visit_groups(bool may_move) {
-    const PointGroups groups = grouped(leaf_of_, tree_.size());
+    const PointGroups groups(leaf_of_, tree_.size());
     parallel_ranges(groups.leaves.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
       std::array<T, kJetNodes> values;
@@ -124,16 +82,6 @@ class FrontCurvatures {
     return limits;
   }
 
-  // In cells of the leaf, from the lower corner of the block's array.
-  Vec3 to_array(std::uint32_t leaf, const Vec3& p) const {
-    const morton::Position c = tree_.corner(leaf);
-    const Vec3 corner{8.0 * c.x, 8.0 * c.y, 8.0 * c.z};
-    return (p - corner) * (1.0 / (1 << tree_.level(leaf))) + Vec3{kJetWidth, kJetWidth, kJetWidth};
-  }
-  Vec3 to_lattice(std::uint32_t leaf, const Vec3& p) const {
-    const morton::Position c = tree_.corner(leaf);
-    return (p - Vec3{kJetWidth, kJetWidth, kJetWidth}) * (1 << tree_.level(leaf)) + Vec3{8.0 * c.x, 8.0 * c.y, 8.0 * c.z};
-  }
   // Whether derivatives at p, in the array of the leaf, are those in the array of the leaf that holds p: it is this leaf, or one of the same level
   // whose stencils this array holds.
   bool serves(std::uint32_t leaf, const Vec3& p) const {
@@ -149,19 +97,19 @@ class FrontCurvatures {
 
   void visit_point(std::uint32_t leaf, const JetBlock& block, std::uint32_t i, bool may_move) {
     FrontCurvature& found = found_[i];
-    const Vec3 x = to_array(leaf, points_[i]);
-    Vec3 y = to_array(leaf, found.foot);
-    leaf_of_[i] = kNone;
+    const Vec3 x = to_array(tree_, leaf, kJetWidth, points_[i]);
+    Vec3 y = to_array(tree_, leaf, kJetWidth, found.foot);
+    leaf_of_[i] = Octree::kNone;
     if (!find_foot(block, x, y)) return;
     if (may_move && !serves(leaf, y)) {
-      found.foot = to_lattice(leaf, y);
-      leaf_of_[i] = leaf_at(found.foot, leaf);
+      found.foot = to_lattice(tree_, leaf, kJetWidth, y);
+      leaf_of_[i] = storing_leaf(tree_, set_.phi, found.foot, leaf);
       return;
     }
     Jet jet;
     found.order = find_jet(block, x, y, jet);
     if (found.order == 0) return;
-    found.foot = to_lattice(leaf, y);
+    found.foot = to_lattice(tree_, leaf, kJetWidth, y);
     set_curvatures(jet, 1.0 / (1 << tree_.level(leaf)), found);
   }
 

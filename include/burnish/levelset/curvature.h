@@ -53,4 +53,10 @@ std::vector<FrontCurvature> front_curvature(const BasicLevelSet<T>& level_set, s
 template <class T>
 Field<T> nodal_curvature(const BasicLevelSet<T>& level_set, CurvatureOrder order, Progress& progress = no_progress());
 
+// A cross-check that shares nothing with these stencils: a polynomial of degree 4 in the height above the tangent plane, fitted to the points of
+// the surface (of the tricubic interpolant) above a grid of 5 x 5 points within 1.8 cells of the foot [T-QUADRIC-3]. Of second order. Costs
+// some 20 microseconds a point. Clamped values are not looked for.
+template <class T>
+std::vector<FrontCurvature> quadric_curvature(const BasicLevelSet<T>& level_set, std::span<const Vec3> points, Progress& progress = no_progress());
+
 }  // namespace burnish
