@@ -8,7 +8,7 @@ namespace burnish::detail {
 namespace {
 
 constexpr double kHeld = 0.05;         // cells from a crossing at which a node is held
-constexpr double kFifthAgrees = 0.02;  // cells that the roots of fifth and third degree differ by at most where phi0 is smooth
+constexpr double kFifthAgrees = 0.1;  // cells that the roots of fifth and third degree differ by at most where phi0 is smooth
 constexpr double kThirdAgrees = 0.2;   // the same of third and first degree
 constexpr int kRootSteps = 30;
 
@@ -82,7 +82,7 @@ double held_distance(const double* node, double nearest) {
 }
 
 // Steps are shortened as the nearest crossings along the axes demand. [T-PDE-5]
-double step_of(const std::array<double, 6>& crossing, double courant) {
+double step_of(const std::array<double, 6>& crossing) {
   double sum = 0;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     double nearest = 1;
@@ -90,7 +90,7 @@ double step_of(const std::array<double, 6>& crossing, double courant) {
       if (t > 0) nearest = std::min(nearest, t);
     sum += 1 / (nearest * nearest);
   }
-  return courant * std::sqrt(3 / sum);
+  return std::sqrt(3 / sum);
 }
 
 void append(std::vector<CutNodes>& cut, std::size_t node, const std::array<double, 6>& crossing, double step) {
@@ -107,7 +107,7 @@ void append(std::vector<CutNodes>& cut, std::size_t node, const std::array<doubl
 
 }  // namespace
 
-void find_crossings(const HaloBlock& phi0, double courant, BlockCrossings& crossings) {
+void find_crossings(const HaloBlock& phi0, BlockCrossings& crossings) {
   for (std::size_t n = 0; n < kBlockNodes; ++n) {
     const int i = static_cast<int>(n);
     const double* node = &phi0.values[HaloBlock::index(i % 8, i / 8 % 8, i / 64)];
@@ -124,7 +124,7 @@ void find_crossings(const HaloBlock& phi0, double courant, BlockCrossings& cross
     if (nearest < kHeld)
       crossings.held.push_back({static_cast<std::uint16_t>(n), held_distance(node, nearest)});
     else
-      append(crossings.cut, n, found, step_of(found, courant));
+      append(crossings.cut, n, found, step_of(found));
   }
 }
 

@@ -28,8 +28,7 @@ struct BlockCrossings {
   std::vector<HeldNode> held;
 };
 
-// The crossings of phi0 = 0 on edges of nodes that are not in `crossings.still` yet, from the halo block of phi0 in own units. `courant`: of
-// steps of nodes that see none nearby.
-void find_crossings(const HaloBlock& phi0, double courant, BlockCrossings& crossings);
+// The crossings of phi0 = 0 on edges of nodes that are not in `crossings.still` yet, from the halo block of phi0 in own units.
+void find_crossings(const HaloBlock& phi0, BlockCrossings& crossings);
 
 }  // namespace burnish::detail

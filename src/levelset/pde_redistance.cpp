@@ -18,6 +18,7 @@ constexpr double kWenoCourant = 0.6, kFirstCourant = 0.5;  // [T-PDE-7]
 constexpr int kMargin = 3;       // cells beyond the reach that are computed, so that no kink is seen within it
 constexpr double kPatience = 2;  // steps allowed, in parts of those that information needs
 constexpr int kSettling = 60;    // steps allowed besides
+constexpr double kRough = 1e-2;  // the residual at which distances of first order are good enough for WENO5 to start from
 constexpr std::size_t kGrain = 8;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -29,7 +30,8 @@ class Halos {
 
   void fill_halo(const Field<T>& field, std::size_t leaf, int width, HaloBlock& halo) const {
     const double scale = 1.0 / (1 << tree_.level(leaf));
-    if (const auto blocks = faces_of_one_level(field, leaf)) return fill(*blocks, scale, width, halo);
+    std::array<std::array<T, kBlockNodes>, 6> injected;
+    if (const auto blocks = faces(field, leaf, width, injected)) return fill(*blocks, scale, width, halo);
     std::array<T, std::size_t{HaloBlock::kSide} * HaloBlock::kSide * HaloBlock::kSide> dense;
     gather_smooth(tree_, field, leaf, width, HaloOrder::cubic, dense.data());
     copy(dense.data(), scale, width, halo);
@@ -40,18 +42,44 @@ class Halos {
   static constexpr std::array<int, 6> kFaces{direction(-1, 0, 0), direction(1, 0, 0),  direction(0, -1, 0),
                                              direction(0, 1, 0),  direction(0, 0, -1), direction(0, 0, 1)};
 
-  std::optional<BlockFaces<T>> faces_of_one_level(const Field<T>& field, std::size_t leaf) const {
+  // The blocks across the faces, if all that is there needs no interpolation: beside finer leaves one is made of their nodes.
+  std::optional<BlockFaces<T>> faces(const Field<T>& field, std::size_t leaf, int width, std::array<std::array<T, kBlockNodes>, 6>& injected) const {
     BlockFaces<T> blocks{field.block(leaf), {}};
     for (std::size_t face = 0; face < 6; ++face) {
       const NeighborKind kind = tree_.neighbor_kind(leaf, kFaces[face]);
       if (kind == NeighborKind::wall) continue;
-      if (kind == NeighborKind::finer) return std::nullopt;
+      if (kind == NeighborKind::finer) {
+        inject(field, leaf, face, width, injected[face].data());
+        blocks.across[face] = injected[face].data();
+        continue;
+      }
       const std::uint32_t other = tree_.neighbor(leaf, kFaces[face]);
       if (!field.stores(other)) continue;
       if (kind == NeighborKind::coarser) return std::nullopt;
       blocks.across[face] = field.block(other);
     }
     return blocks;
+  }
+
+  // Of four finer leaves every second node, in the first layers of the block that would be there. Width is less than half a block.
+  void inject(const Field<T>& field, std::size_t leaf, std::size_t face, int width, T* out) const {
+    const auto across = tree_.neighbors(leaf, kFaces[face]);
+    const std::size_t axis = face / 2;
+    for (int b = 0; b < kBlockSide; ++b)
+      for (int a = 0; a < kBlockSide; ++a) {
+        const std::uint32_t fine = across[static_cast<std::size_t>((a >= kBlockSide / 2) + 2 * (b >= kBlockSide / 2))];
+        for (int n = 0; n < width; ++n) {
+          const int layer = face % 2 == 0 ? kBlockSide - 1 - n : n;
+          const T value = field.stores(fine) ? field.block(fine)[on_axis(axis, 2 * layer % kBlockSide, 2 * a % kBlockSide, 2 * b % kBlockSide)]
+                                             : field.block(leaf)[on_axis(axis, face % 2 == 0 ? 0 : kBlockSide - 1, a, b)];
+          out[on_axis(axis, layer, a, b)] = value;
+        }
+      }
+  }
+
+  // The node `along` an axis and (a, b) across it.
+  static std::size_t on_axis(std::size_t axis, int along, int a, int b) {
+    return axis == 0 ? node_index(along, a, b) : axis == 1 ? node_index(a, along, b) : node_index(a, b, along);
   }
 
   static void copy(const T* dense, double scale, int width, HaloBlock& halo) {
@@ -118,7 +146,8 @@ class PdeRedistancer {
  public:
   PdeRedistancer(BasicLevelSet<T>& set, const RedistanceOptions& options, Progress& progress)
       : set_(set), options_(options), tree_(set.octree()), progress_(progress), halos_(tree_),
-        first_order_(options.method == RedistanceMethod::pde_first), courant_(first_order_ ? kFirstCourant : kWenoCourant) {
+        first_order_(options.method == RedistanceMethod::pde_first), courant_(first_order_ ? kFirstCourant : kWenoCourant),
+        counted_(options.reach) {
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf) {
       if (!set.phi.stores(leaf)) continue;
       leaves_.push_back(leaf);
@@ -134,20 +163,37 @@ class PdeRedistancer {
     find_surface();
     start();
     RedistanceResult result;
-    const int most = options_.most_steps > 0 ? options_.most_steps : steps_needed();
-    result.steady = false;
-    while (result.steps < most && !result.steady) {
-      find_active();
-      result.residual = first_order_ ? euler_step() : runge_kutta_step();
-      result.steady = result.residual < options_.steady;
-      ++result.steps;
-      progress_.update(static_cast<double>(result.steps) / most);
+    if (first_order_ || options_.most_steps > 0) {
+      advance(options_.most_steps > 0 ? options_.most_steps : steps_needed(), options_.steady, result);
+    } else {
+      // From distances of first order, whatever phi was: the scheme of high order has no maximum principle. [T-PDE-10]
+      use_first_order(true);
+      advance(steps_needed(), kRough, result);
+      use_first_order(false);
+      advance(steps_needed(), options_.steady, result);
     }
     finish();
     return result;
   }
 
  private:
+  void use_first_order(bool first_order) {
+    first_order_ = first_order;
+    courant_ = first_order ? kFirstCourant : kWenoCourant;
+    counted_ = first_order ? limit_ : options_.reach;
+    for (const std::uint32_t leaf : leaves_) rest(leaf);
+  }
+
+  void advance(int most, double steady, RedistanceResult& result) {
+    result.steady = false;
+    for (int step = 0; step < most && !result.steady; ++step) {
+      find_active();
+      result.residual = first_order_ ? euler_step() : runge_kutta_step();
+      result.steady = result.residual < steady;
+      ++result.steps;
+    }
+  }
+
   double scale(std::size_t leaf) const { return 1 << tree_.level(leaf); }
 
   // Accepted nodes, cut nodes, held nodes: all that kernels have to leave alone.
@@ -159,7 +205,7 @@ class PdeRedistancer {
       for (std::size_t slot = begin; slot < end; ++slot) {
         mark_accepted(leaves_[slot], crossings_[slot]);
         halos_.fill_halo(set_.phi, leaves_[slot], kWenoWidth, halo);
-        find_crossings(halo, courant_, crossings_[slot]);
+        find_crossings(halo, crossings_[slot]);
       }
     });
   }
@@ -190,7 +236,7 @@ class PdeRedistancer {
         },
         64);
     first_ = set_.phi;
-    if (!first_order_) second_ = set_.phi;
+    if (options_.method == RedistanceMethod::pde_weno5) second_ = set_.phi;
     was_active_.assign(leaves_.size(), 0);
   }
 
@@ -228,7 +274,7 @@ class PdeRedistancer {
 
   void rest(std::uint32_t leaf) {
     std::copy_n(std::as_const(set_.phi).block(leaf), kBlockNodes, first_.block(leaf));
-    if (!first_order_) std::copy_n(std::as_const(set_.phi).block(leaf), kBlockNodes, second_.block(leaf));
+    if (!second_.empty()) std::copy_n(std::as_const(set_.phi).block(leaf), kBlockNodes, second_.block(leaf));
   }
 
   // One stage over all active leaves: `from` is read with halos; `out` is written. Returns the sum of squared rates.
@@ -249,7 +295,7 @@ class PdeRedistancer {
     const std::uint32_t leaf = leaves_[slot];
     const BlockCrossings& c = crossings_[slot];
     halos_.fill_halo(from, leaf, first_order_ ? 1 : kWenoWidth, halo);
-    const Stage<T> stage{keep, courant_, limit_ / scale(leaf), scale(leaf), c.any ? c.still.data() : nullptr, c.cut.data(), c.cut.size(),
+    const Stage<T> stage{keep, courant_, limit_ / scale(leaf), counted_, scale(leaf), c.any ? c.still.data() : nullptr, c.cut.data(), c.cut.size(),
                          std::as_const(set_.phi).block(leaf), out.block(leaf)};
     const StageSums sums = first_order_ ? first_order_stage(halo, stage) : weno5_stage(halo, stage);
     least_[slot] = sums.least;
@@ -305,8 +351,9 @@ class PdeRedistancer {
   const Octree& tree_;
   Progress& progress_;
   const Halos<T> halos_;
-  const bool first_order_;
-  const double courant_;
+  bool first_order_;
+  double courant_;
+  double counted_;                          // cells within which rates are to become small
   int coarsest_ = 0;
   double limit_ = 0;                        // in finest cells
   std::vector<std::uint32_t> leaves_;       // that store values

@@ -17,7 +17,8 @@ namespace burnish::detail {
 namespace {
 
 constexpr double kSmooth = 1e-6;    // epsilon of the weights, slopes being 1
-constexpr double kSharp = 0.15;     // what second differences at a crossing may differ by before they are limited, per cell
+constexpr double kSharp = 0.3;     // what second differences at a crossing may differ by before they are limited, per cell
+constexpr double kStair = 0.4;      // cells; what a node is farther than its nearest neighbour, at least
 constexpr double kLeast = 1e-6;     // cells; what |phi| keeps, so that the sign does
 
 typedef double Row __attribute__((vector_size(kBlockSide * sizeof(double))));
@@ -87,13 +88,16 @@ BURNISH_INLINE Row upwind(const OneSided& d, const Row& sign) { return larger(la
 struct Weno5 {
   static constexpr int kWidth = 3;
   BURNISH_INLINE static OneSided derivatives(const Row (&v)[7]) { return weno5(v); }
-  // The slope at a node whose surface is `theta` away on one side; `value` and the next two on the other side, all made positive. [T-PDE-5]
-  BURNISH_INLINE static Row slope_at_crossing(const Row& theta, const Row& value, const Row& next, const Row& second) {
+  // The slope at a node whose surface is `theta` away on one side, where `beyond` is two cells away; `next` and `second` are on the other
+  // side. All values are those of phi made positive at the node. [T-PDE-5]
+  BURNISH_INLINE static Row slope_at_crossing(const Row& theta, const Row& beyond, const Row& value, const Row& next, const Row& second) {
     const Row first = value / theta;
-    const Row q0 = (next - value - first) / (1 + theta), q1 = 0.5 * (second - 2 * next + value);
-    const Row apart = q0 - q1, cubic = q0 + apart / (2 + theta);
-    const Row limited = q0 * q1 > Row{} ? (magnitude(q0) < magnitude(q1) ? q0 : q1) : Row{};
-    const Row ratio = apart * apart * (1 / (kSharp * kSharp)), weight = 1 / (1 + ratio * ratio);
+    const Row bend = (next - value - first) / (1 + theta);
+    const Row bend_there = 0.5 * (first + beyond / (2 - theta)), bend_here = 0.5 * (second - 2 * next + value);
+    const Row apart = bend - bend_there, cubic = bend - apart * (1.0 / 3);
+    const Row limited = bend * bend_here > Row{} ? (magnitude(bend) < magnitude(bend_here) ? bend : bend_here) : Row{};
+    const Row ratio = apart * apart * (1 / (kSharp * kSharp));
+    const Row weight = beyond < Row{} ? 1 / (1 + ratio * ratio) : Row{};
     return first + theta * (limited + weight * (cubic - limited));
   }
 };
@@ -101,14 +105,15 @@ struct Weno5 {
 struct FirstOrder {
   static constexpr int kWidth = 1;
   BURNISH_INLINE static OneSided derivatives(const Row (&v)[3]) { return {v[1] - v[0], v[2] - v[1]}; }
-  BURNISH_INLINE static Row slope_at_crossing(const Row& theta, const Row& value, const Row&, const Row&) { return value / theta; }
+  BURNISH_INLINE static Row slope_at_crossing(const Row& theta, const Row&, const Row& value, const Row&, const Row&) { return value / theta; }
 };
 
-// The new values: phi after the stage, its sign and zeros kept. [T-PDE-1]
+// The new values: phi after the stage, its sign and zeros kept. `lowest`: the least |phi| of the neighbours, negative across the surface. [T-PDE-1]
 template <class T>
-BURNISH_INLINE Row advanced(const Row& phi, const Row& start, const Row& squared_slope, const Row& step, const Stage<T>& stage) {
+BURNISH_INLINE Row advanced(const Row& phi, const Row& start, const Row& squared_slope, const Row& step, const Row& lowest, const Stage<T>& stage) {
   const Row sign = sign_of(phi);
-  const Row moved = sign * phi + step * (1 - root(squared_slope));
+  const Row before = sign * phi;
+  const Row moved = larger(before + step * (1 - root(squared_slope)), smaller(before, lowest + kStair));  // [T-PDE-11]
   const Row mixed = stage.keep * (sign * start) + (1 - stage.keep) * moved;
   return sign * smaller(larger(mixed, row_of(kLeast)), row_of(stage.limit));
 }
@@ -116,10 +121,11 @@ BURNISH_INLINE Row advanced(const Row& phi, const Row& start, const Row& squared
 // Sums over rows, in their order.
 struct RowSums {
   Row squared{}, least = row_of(1e300);
-  BURNISH_INLINE void add(const Row& change, const Row& value, double step) {
-    const Row rate = change * (1 / step);
-    squared += rate * rate;
-    least = smaller(least, magnitude(value));
+  template <class T>
+  BURNISH_INLINE void add(const Row& change, const Row& value, const Stage<T>& stage) {
+    const Row rate = change * (1 / stage.step), size = magnitude(value);
+    squared += size < row_of(stage.counted) ? rate * rate : Row{};
+    least = smaller(least, size);
   }
   BURNISH_INLINE StageSums total() const {
     StageSums sums{0, least[0]};
@@ -137,72 +143,90 @@ BURNISH_INLINE void advance_row(const HaloBlock& halo, const Stage<T>& stage, in
   const double* center = &halo.values[HaloBlock::index(0, j, k)];
   const std::size_t first = node_index(0, j, k);
   const Row phi = load(center), sign = sign_of(phi);
-  Row squared_slope{};
+  Row squared_slope{}, lowest = row_of(1e300);
   for (const int stride : HaloBlock::kStride) {
     Row v[2 * width + 1];
     for (int n = -width; n <= width; ++n) v[n + width] = load(center + n * stride);
+    lowest = smaller(lowest, smaller(sign * v[width - 1], sign * v[width + 1]));
     const Row slope = upwind(Scheme::derivatives(v), sign);
     squared_slope += slope * slope;
   }
   const Row start = load(stage.start + first), own = start * (1 / stage.scale);
-  const Row value = advanced(phi, own, squared_slope, row_of(stage.step), stage);
+  const Row value = advanced(phi, own, squared_slope, row_of(stage.step), lowest, stage);
   if (stage.still == nullptr) {
-    sums.add(value - own, value, stage.step);
+    sums.add(value - own, value, stage);
     return store(value * stage.scale, stage.out + first);
   }
   const Mask still = lanes_of(stage.still[first / kBlockSide]);
   const Row kept = still ? own : value;
-  sums.add(kept - own, kept, stage.step);
+  sums.add(kept - own, kept, stage);
   store(still ? start : value * stage.scale, stage.out + first);
 }
 
 template <class T>
 BURNISH_INLINE void keep_row(const Stage<T>& stage, int j, int k, RowSums& sums) {
   const Row start = load(stage.start + node_index(0, j, k));
-  sums.add(Row{}, start * (1 / stage.scale), stage.step);
+  sums.add(Row{}, start * (1 / stage.scale), stage);
   store(start, stage.out + node_index(0, j, k));
+}
+
+// The values around eight nodes of a block, in lanes.
+class Lanes {
+ public:
+  BURNISH_INLINE Lanes(const HaloBlock& halo, const CutNodes& cut) {
+    for (std::size_t n = 0; n < kBlockSide; ++n) {
+      const int node = cut.node[n];
+      center_[n] = &halo.values[HaloBlock::index(node % 8, node / 8 % 8, node / 64)];
+    }
+  }
+  BURNISH_INLINE Row at(int offset) const {
+    alignas(64) std::array<double, kBlockSide> lanes;
+    for (std::size_t n = 0; n < kBlockSide; ++n) lanes[n] = center_[n][offset];
+    return load(lanes.data());
+  }
+
+ private:
+  std::array<const double*, kBlockSide> center_;
+};
+
+// One-sided derivatives along an axis at cut nodes; `all` reaches three to each side.
+template <class Scheme>
+BURNISH_INLINE OneSided cut_derivatives(const Row (&all)[7], const Row& sign, const Row& below, const Row& above) {
+  constexpr int width = Scheme::kWidth;
+  Row v[2 * width + 1], p[7];
+  for (int n = -width; n <= width; ++n) v[n + width] = all[n + 3];
+  for (int n = 0; n < 7; ++n) p[n] = sign * all[n];
+  OneSided d = Scheme::derivatives(v);
+  const Row to_left = below > Row{} ? below : row_of(1), to_right = above > Row{} ? above : row_of(1);
+  const Row left = above > Row{} ? p[3] / to_left : Scheme::slope_at_crossing(to_left, p[1], p[3], p[4], p[5]);
+  const Row right = below > Row{} ? p[3] / to_right : Scheme::slope_at_crossing(to_right, p[5], p[3], p[2], p[1]);
+  d.left = below > Row{} ? sign * left : d.left;
+  d.right = above > Row{} ? -sign * right : d.right;
+  return d;
 }
 
 // Eight cut nodes at once: gathered, computed in lanes, scattered. [T-PDE-5]
 template <class Scheme, class T>
 BURNISH_INLINE void advance_cut(const HaloBlock& halo, const Stage<T>& stage, const CutNodes& cut, RowSums& sums) {
-  constexpr int width = Scheme::kWidth;
-  constexpr int wide = width < 2 ? 2 : width;
-  std::array<const double*, kBlockSide> center;
   alignas(64) std::array<double, kBlockSide> lanes;
-  for (std::size_t n = 0; n < kBlockSide; ++n) {
-    const int node = cut.node[n];
-    center[n] = &halo.values[HaloBlock::index(node % 8, node / 8 % 8, node / 64)];
-    lanes[n] = stage.start[node];
-  }
+  for (std::size_t n = 0; n < kBlockSide; ++n) lanes[n] = stage.start[cut.node[n]];
   const Row own = load(lanes.data()) * (1 / stage.scale);
-  const auto around = [&](int offset) {
-    for (std::size_t n = 0; n < kBlockSide; ++n) lanes[n] = center[n][offset];
-    return load(lanes.data());
-  };
-  const Row phi = around(0), sign = sign_of(phi);
-  Row squared_slope{};
+  const Lanes around(halo, cut);
+  const Row phi = around.at(0), sign = sign_of(phi);
+  Row squared_slope{}, lowest = row_of(1e300);
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    Row all[2 * wide + 1], v[2 * width + 1];
-    for (int n = -wide; n <= wide; ++n) all[n + wide] = n >= -width && n <= width ? around(n * HaloBlock::kStride[axis]) : Row{};
-    for (int n = -width; n <= width; ++n) v[n + width] = all[n + wide];
-    OneSided d = Scheme::derivatives(v);
+    Row all[7];
+    for (int n = -3; n <= 3; ++n)
+      all[n + 3] = n >= -Scheme::kWidth && n <= Scheme::kWidth ? around.at(n * HaloBlock::kStride[axis]) : Row{};
+    lowest = smaller(lowest, smaller(sign * all[2], sign * all[4]));
     const Row below = load(cut.crossing[2 * axis].data()), above = load(cut.crossing[2 * axis + 1].data());
-    const Row value = sign * phi;
-    const auto one_sided = [&](const Row& theta, const Row& other, int direction) {
-      const Row safe = theta > Row{} ? theta : row_of(1);
-      const Row high = Scheme::slope_at_crossing(safe, value, sign * all[wide + direction], sign * all[wide + 2 * direction]);
-      return sign * (other > Row{} ? value / safe : high);
-    };
-    d.left = below > Row{} ? one_sided(below, above, 1) : d.left;
-    d.right = above > Row{} ? -one_sided(above, below, -1) : d.right;
-    const Row slope = upwind(d, sign);
+    const Row slope = upwind(cut_derivatives<Scheme>(all, sign, below, above), sign);
     squared_slope += slope * slope;
   }
-  const Row value = advanced(phi, own, squared_slope, load(cut.step.data()), stage);
+  const Row value = advanced(phi, own, squared_slope, load(cut.step.data()) * stage.step, lowest, stage);
   const Mask lane{0, 1, 2, 3, 4, 5, 6, 7};
   const Mask counts = lane < (Mask{} + static_cast<std::int64_t>(cut.count));
-  sums.add(counts ? value - own : Row{}, value, stage.step);
+  sums.add(counts ? value - own : Row{}, value, stage);
   store(value * stage.scale, lanes.data());
   for (std::size_t n = 0; n < cut.count; ++n) stage.out[cut.node[n]] = static_cast<T>(lanes[n]);
 }

@@ -40,7 +40,7 @@ void fill(const BlockFaces<double>& blocks, double scale, int width, HaloBlock& 
 // Eight nodes of a block with crossings of the surface on edges of theirs. [T-PDE-4]
 struct alignas(64) CutNodes {
   std::array<std::array<double, kBlockSide>, 6> crossing;  // how far it is to it along -x, +x, ... +z, in (0, 1]; 0: none
-  std::array<double, kBlockSide> step;                     // of the nodes, in pseudo-time
+  std::array<double, kBlockSide> step;                     // of the nodes, in parts of the stage's
   std::array<std::uint16_t, kBlockSide> node;              // where there are less than eight, one is repeated
   std::uint16_t count = 0;
 };
@@ -51,6 +51,7 @@ struct Stage {
   double keep;
   double step;
   double limit;               // |out| stays at it, in own units
+  double counted;             // rates are summed where |out| is below this
   double scale;               // own units to those of `start` and `out`
   const std::uint8_t* still;  // a bit per node, 8 rows' bytes a layer: out = start there. May be null.
   const CutNodes* cut;        // nodes of `still` for which out is computed after all
@@ -61,7 +62,7 @@ struct Stage {
 
 // What became of a block.
 struct StageSums {
-  double squared_rate = 0;  // sum of ((out - start) / step)^2
+  double squared_rate = 0;  // sum of ((out - start) / step)^2 where it counts
   double least = 0;         // |out| in own units
 };
 
