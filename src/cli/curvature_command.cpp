@@ -78,6 +78,8 @@ class CurvatureCommand : public Command {
          [this](const GivenValue& v) { job_.order = order(v); }},
         {"--method", 0, "M", "Curvature", "'front' (default): at points of the surface; 'nodal': of nodes, interpolated, for comparison.",
          [this](const GivenValue& v) { job_.method = one_of<CurvatureMethod>(v, {"front", "nodal"}); }},
+        {"--check", 0, "N", "Curvature", "Compare N points with polynomials fitted to the surface around them.",
+         [this](const GivenValue& v) { job_.check = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); }},
         {"--smooth", 0, "L", "Curvature", "Remove waves shorter than L first, facets among them. The volume is kept.",
          [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
         {"--cell", 0, "L", "Resolution", "Side of the cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
@@ -113,6 +115,7 @@ class CurvatureCommand : public Command {
     if (job_.options.cell && job_.options.resolution) refuse("--cell and --resolution exclude each other", "give one of the two");
     if (job_.method == CurvatureMethod::nodal && job_.order == CurvatureOrder::sixth)
       refuse("--method nodal has orders 2 and 4 only", "give --order 4, or leave --method out");
+    if (job_.method == CurvatureMethod::nodal && job_.check > 0) refuse("--method nodal has no k1 and k2 for --check", "leave one of the two out");
     if (job_.output.empty()) return;
     static_cast<void>(marked_format_for_writing(job_.output));
     if (same_file(job_.output, job_.input))

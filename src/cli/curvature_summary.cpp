@@ -67,6 +67,9 @@ std::string curvature_summary(const CurvatureResult& r, double seconds) {
   if (c.gaussian) text += spread_line("k1 k2", *c.gaussian) + spread_line("k1", *c.k1) + spread_line("k2", *c.k2);
   text += '\n' + line("integral of mean", fmt::format("{:.6g} over {:.6g} of area", c.mean_integral, c.determined_area));
   if (c.gaussian_integral) text += gaussian_line(c) + radius_line("smallest convex r", c.convex) + radius_line("smallest concave r", c.concave);
+  if (r.check)
+    text += line("checked by fits", fmt::format("{} points: median {:.2g}, rms {:.2g}, max {:.2g} of rms {:.3g}", r.check->points, r.check->median, r.check->rms,
+                                                r.check->max, r.check->rms_curvature));
   const std::string file = r.output.written ? fmt::format("{}: {} points, {:.1f} MB", r.output.file, c.points, static_cast<double>(r.output.bytes) / 1e6) : "nothing was written";
   return text + fmt::format("\n{} ({:.1f} s)\n", file, seconds);
 }

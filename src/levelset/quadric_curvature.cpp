@@ -26,12 +26,20 @@ bool is_inside(const Vec3& p) {
   return fits(p.x) && fits(p.y) && fits(p.z);
 }
 
+SecondOrder tricubic_at(const double* phi, const Vec3& p) {
+  const double i = std::floor(p.x), j = std::floor(p.y), k = std::floor(p.z);
+  const auto corner = static_cast<std::ptrdiff_t>((i - 1) + kSide * ((j - 1) + kSide * (k - 1)));
+  return tricubic(phi + corner, kSide, {p.x - i, p.y - j, p.z - k});
+}
+
 // [T-REDIST-1]
 bool find_foot(const double* phi, const Vec3& x, Vec3& y, Vec3& normal) {
   y = x;
   for (int step = 0; step < kSteps; ++step) {
     if (!is_inside(y) || squared_norm(y - x) > kReach * kReach) return false;
-    const auto [value, g] = tricubic<kSide>(phi, y);
+    const SecondOrder at = tricubic_at(phi, y);
+    const double value = at.value;
+    const Vec3& g = at.gradient;
     const double g2 = squared_norm(g);
     if (!(g2 > 0.25)) return false;
     normal = g * (-1 / std::sqrt(g2));
@@ -46,7 +54,9 @@ bool find_foot(const double* phi, const Vec3& x, Vec3& y, Vec3& normal) {
 bool find_height(const double* phi, const Vec3& normal, Vec3& p) {
   for (int step = 0; step < kSteps; ++step) {
     if (!is_inside(p)) return false;
-    const auto [value, g] = tricubic<kSide>(phi, p);
+    const SecondOrder at = tricubic_at(phi, p);
+    const double value = at.value;
+    const Vec3& g = at.gradient;
     const double slope = dot(g, normal);
     if (!(slope < -0.2)) return false;
     p -= normal * (value / slope);

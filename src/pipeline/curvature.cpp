@@ -47,6 +47,8 @@ TriangleSoup compacted(const TriangleSoup& soup) {
 class CurvatureRun {
  public:
   CurvatureRun(const CurvatureJob& job, Progress& progress) : job_(job), progress_(progress) {
+    if (job.method == CurvatureMethod::nodal && job.check > 0)
+      throw Error(ErrorCode::usage, "nodal curvatures have no k1 and k2 to be checked", "leave one of the two out");
     if (job.method == CurvatureMethod::nodal && job.order == CurvatureOrder::sixth)
       throw Error(ErrorCode::usage, "nodal curvatures are of order 2 or 4", "give --order 4, or leave --method out");
     report_.input = job.input;
@@ -136,10 +138,23 @@ class CurvatureRun {
     const LevelSet& set = built_.level_set;
     const bool mean_only = job_.method == CurvatureMethod::nodal;
     at_ = mean_only ? interpolated_nodal() : front_curvature(set, surface_.points, job_.order, progress_);
+    if (job_.check > 0) cross_check();
     parallel_for(surface_.points.size(), [&](std::size_t i) { surface_.points[i] = set.frame.to_model(surface_.points[i]); });
     result_.curvature = summarize_curvature(surface_, at_, set.frame.cell, job_.order, mean_only);
     result_.curvature.mean_edge = report_.before.mean_edge;
     warn();
+  }
+
+  // At points as evenly spread through the list as can be.
+  void cross_check() {
+    const LevelSet& set = built_.level_set;
+    const std::size_t all = surface_.points.size(), count = std::min(job_.check, all);
+    std::vector<Vec3> points(count);
+    std::vector<FrontCurvature> found(count);
+    for (std::size_t i = 0; i < count; ++i) points[i] = surface_.points[i * all / count], found[i] = at_[i * all / count];
+    const std::vector<FrontCurvature> fitted = quadric_curvature(set, points, progress_);
+    for (Vec3& p : points) p = set.frame.to_model(p);
+    result_.check = compare_curvatures(points, found, fitted, set.frame.cell);
   }
 
   // Half of k1 + k2 in both, so that their mean is right.

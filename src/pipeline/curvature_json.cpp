@@ -45,6 +45,11 @@ Json json_of(const CurvatureSummary& c) {
   };
 }
 
+Json json_of(const std::optional<CurvatureCheck>& c) {
+  if (!c) return nullptr;
+  return {{"points", c->points}, {"rms", c->rms}, {"median", c->median}, {"max", c->max}, {"rms_curvature", c->rms_curvature}, {"worst", json_of(c->worst)}};
+}
+
 Json output_of(const CurvatureFile& o) {
   if (o.file.empty()) return nullptr;
   return {{"file", o.file}, {"format", o.format}, {"written", o.written}, {"bytes", o.bytes}};
@@ -90,6 +95,7 @@ std::string to_json(const CurvatureResult& r) {
       {"options", options_of(r)},
       {"smoothing", smoothing_of(r.smoothing)},
       {"curvature", r.failure ? Json() : json_of(r.curvature)},
+      {"check", json_of(r.check)},
       {"stages", json_of(r.stages)},
   });
 }

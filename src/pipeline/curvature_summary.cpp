@@ -1,6 +1,7 @@
 #include "curvature_summary.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "burnish/surface/edge_table.h"
@@ -89,6 +90,27 @@ CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<cons
   if (sharpest) summary.convex = {cell / sharpest->k1, place(sharpest)};
   if (hollowest) summary.concave = {-cell / hollowest->k2, place(hollowest)};
   return summary;
+}
+
+CurvatureCheck compare_curvatures(std::span<const Vec3> points, std::span<const FrontCurvature> a, std::span<const FrontCurvature> b, double cell) {
+  CurvatureCheck check;
+  std::vector<double> differences;
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    if (!a[p].converged || !b[p].converged) continue;
+    ++check.points;
+    const double d1 = (a[p].k1 - b[p].k1) / cell, d2 = (a[p].k2 - b[p].k2) / cell, largest = std::max(std::abs(d1), std::abs(d2));
+    check.rms += d1 * d1 + d2 * d2;
+    check.rms_curvature += (a[p].k1 * a[p].k1 + a[p].k2 * a[p].k2) / (cell * cell);
+    if (largest >= check.max) check.max = largest, check.worst = points[p];
+    differences.push_back(largest);
+  }
+  if (check.points == 0) return check;
+  const auto middle = differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2);
+  std::nth_element(differences.begin(), middle, differences.end());
+  check.median = *middle;
+  check.rms = std::sqrt(check.rms / static_cast<double>(2 * check.points));
+  check.rms_curvature = std::sqrt(check.rms_curvature / static_cast<double>(2 * check.points));
+  return check;
 }
 
 }  // namespace burnish

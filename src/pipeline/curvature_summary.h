@@ -13,4 +13,7 @@ namespace burnish {
 // is looked at. Leaves mean_edge to the caller. [T-GAUSS-1]
 CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<const FrontCurvature> at, double cell, CurvatureOrder order, bool mean_only);
 
+// The same points by two methods: differences of k1 and k2 where both have converged. `points` in model units.
+CurvatureCheck compare_curvatures(std::span<const Vec3> points, std::span<const FrontCurvature> a, std::span<const FrontCurvature> b, double cell);
+
 }  // namespace burnish

@@ -35,6 +35,7 @@ struct CurvatureJob {
   CurvatureOrder order = CurvatureOrder::fourth;
   CurvaturePoints at = CurvaturePoints::surface;
   CurvatureMethod method = CurvatureMethod::front;
+  std::size_t check = 0;   // points at which curvatures are compared with those of a fit that shares nothing with them
   bool salvage = false;    // take what a broken input file holds
   bool overwrite = false;  // an existing output may be replaced
 };
@@ -69,6 +70,14 @@ struct CurvatureSummary {
   double mean_edge = 0;                // of the input
 };
 
+// Curvatures against those of polynomials fitted to the surface around the points (quadric_curvature), as |difference| of k1 and of k2 in 1 / model unit.
+struct CurvatureCheck {
+  std::size_t points = 0;  // that have both
+  double rms = 0, median = 0, max = 0;
+  double rms_curvature = 0;  // of what was compared, to judge the differences by
+  Vec3 worst;
+};
+
 struct CurvatureFile {
   std::string file;  // empty: none was asked for
   std::string format;
@@ -89,6 +98,7 @@ struct CurvatureResult {
   GridSummary grid;
   SmoothingSummary smoothing;
   CurvatureSummary curvature;
+  std::optional<CurvatureCheck> check;
   CurvatureFile output;
   std::optional<Error> failure;  // the input bounds no solid, or nothing is left of it
   std::vector<StageCost> stages;
