@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <utility>
 
 #include "burnish/core/parallel.h"
@@ -26,6 +27,7 @@ namespace {
 
 constexpr double kCellsPerEdge = 0.5;  // of the input: where edges are longer, unsmoothed curvature is that of single edges
 constexpr double kManyUndetermined = 0.02;
+constexpr double kFarOff = 0.1;        // of a ball's integral of Gaussian curvature
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // The points that facets use, and the facets, renumbered.
@@ -181,6 +183,18 @@ class CurvatureRun {
     const double undetermined = c.area > 0 ? 1 - c.determined_area / c.area : 0;
     if (undetermined > kManyUndetermined)
       report_.warnings.push_back(fmt::format("{:.2g} % of the surface has no curvature: edges and corners, or details of the size of a cell", 100 * undetermined));
+    warn_of_integral();
+  }
+
+  // [T-GAUSS-1] What is lost or found of the integral has been at edges.
+  void warn_of_integral() {
+    const CurvatureSummary& c = result_.curvature;
+    if (!c.gaussian_integral || !c.euler_characteristic) return;
+    const double due = 2 * std::numbers::pi * static_cast<double>(*c.euler_characteristic), off = *c.gaussian_integral - due;
+    if (std::abs(off) > kFarOff * std::max(4 * std::numbers::pi, std::abs(due)))
+      report_.warnings.push_back(fmt::format("the integral of k1 k2 is {:.4g}, and {:.4g} for any surface like this one: edges or details are not resolved; "
+                                             "choose a smaller --cell, or smooth them",
+                                             *c.gaussian_integral, due));
   }
 
   template <class Value>
