@@ -21,17 +21,18 @@ class FrontReader {
   void read_same(int dir, const PublishedPoints<T>& from) {
     const auto [dx, dy, dz] = offset_of(dir);
     const Range x = range(dx), y = range(dy), z = range(dz);
+    const unsigned wanted = dx == 0 ? 0xffu : dx < 0 ? 0x80u : 0x01u;
     for (int k = z.begin; k < z.end; ++k)
       for (int j = y.begin; j < y.end; ++j) {
         const auto row = static_cast<std::size_t>((j - kBlockSide * dy) + kBlockSide * (k - kBlockSide * dz));
-        if (from.nodes[row] == 0) continue;
+        if ((from.nodes[row] & wanted) == 0) continue;
         const std::size_t source = row * kBlockSide + static_cast<std::size_t>(x.begin - kBlockSide * dx), to = front_.index(x.begin, j, k);
         if (dx == 0) {
           copy<kBlockSide>(from, source, to);
         } else {
           copy<1>(from, source, to);
         }
-        front_.row[front_.row_index(j, k)] = true;
+        front_.note(j, k);
       }
   }
 
@@ -96,7 +97,7 @@ class FrontReader {
     front_.x[n] = x;
     front_.y[n] = y;
     front_.z[n] = z;
-    front_.row[front_.row_index(j, k)] = true;
+    front_.note(j, k);
   }
 
   // Another leaf's lower corner from this one's, in cells of a level.

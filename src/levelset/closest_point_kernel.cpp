@@ -24,7 +24,6 @@ constexpr double kLeastCurvature = 0.05;  // of the squared distance along the s
 constexpr double kSlack = 0.1;          // cells by which an edge's linear crossing may be nearer than Newton's point
 constexpr double kRefineSlack = 0.02;   // cells by which a refined point may be farther than the one it started from
 constexpr double kRefineMove = 2;       // cells that a refined point may move
-constexpr double kExact = 0.9;          // squared: a point of Newton's gives way to one that is clearly nearer only
 constexpr int kRowsOfBlock = kBlockSide * kBlockSide;
 
 // Steps shorter than this leave an error of its square: below the rounding of T. [T-REDIST-1]
@@ -156,14 +155,6 @@ BURNISH_INLINE Foot seed_node(const Surroundings<T>& around, int i, int j, int k
   return {start, false};
 }
 
-template <class T>
-BURNISH_INLINE void put(ClosestPoints<T>& points, std::size_t n, const Vec3& d, bool is_exact) {
-  points.x[n] = static_cast<T>(d.x);
-  points.y[n] = static_cast<T>(d.y);
-  points.z[n] = static_cast<T>(d.z);
-  points.bound[n] = static_cast<T>(squared_norm(d)) * (is_exact ? static_cast<T>(kExact) : kBetter<T>);
-}
-
 template <class Visit>
 BURNISH_INLINE void for_each_bit(const BlockBits& bits, Visit&& visit) {
   for (int row = 0; row < kRowsOfBlock; ++row)
@@ -186,6 +177,21 @@ BURNISH_INLINE void seed_block(const Surroundings<T>& around, const BlockBits& b
 
 BURNISH_INLINE int octant_of(double at) { return at < 0 ? -1 : at >= kBlockSide ? 1 : 0; }
 
+// Never much farther than the point it starts from, nor far from that.
+template <class T>
+BURNISH_INLINE Foot refined(const Surroundings<T>& around, const Vec3& x, const Vec3& offset, double sign) {
+  Foot foot = closest_from(around, x, x + offset, sign, norm(offset) + kRefineSlack);
+  foot.found = foot.found && squared_norm(foot.offset - offset) <= kRefineMove * kRefineMove;
+  return foot;
+}
+
+template <class T>
+BURNISH_INLINE void refine_distant(const Surroundings<T>& around, DistantNode& node) {
+  const Foot foot = refined(around, node.at, node.offset, node.sign);
+  node.refined = foot.found;
+  if (foot.found) node.offset = foot.offset;
+}
+
 template <class T>
 BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points,
                                  BlockBits& exact) {
@@ -198,8 +204,8 @@ BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, st
       const Vec3 x{double(i), double(j), double(k)}, d{points.x[n], points.y[n], points.z[n]}, y = x + d;
       if (((octants >> direction(octant_of(y.x), octant_of(y.y), octant_of(y.z))) & 1) == 0) continue;
       const double sign = around.phi[place_of(around, i, j, k)] >= 0 ? 1 : -1;
-      const Foot foot = closest_from(around, x, y, sign, norm(d) + kRefineSlack);
-      if (!foot.found || squared_norm(foot.offset - d) > kRefineMove * kRefineMove) continue;
+      const Foot foot = refined(around, x, d, sign);
+      if (!foot.found) continue;
       put(points, n, foot.offset, true);
       set_bit(exact, i, j, k);
     }
@@ -313,9 +319,9 @@ struct Best {
   Mask<T> better;
 
   // From the neighbours of the row at (dy, dz) from it.
-  BURNISH_INLINE void take(const FrontPoints<T>& front, std::size_t from, int dy, int dz) {
+  BURNISH_INLINE void take(const FrontPoints<T>& front, int j, int k, int dy, int dz) {
     for (int dx = -1; dx <= 1; ++dx) {
-      const std::size_t at = from + static_cast<std::size_t>(dx + 1);
+      const std::size_t at = front.index(dx, j + dy, k + dz);
       const Row<T> px = load_row(&front.x[at]) + static_cast<T>(dx), py = load_row(&front.y[at]) + static_cast<T>(dy),
                    pz = load_row(&front.z[at]) + static_cast<T>(dz);
       const Row<T> found = px * px + (py * py + pz * pz);
@@ -330,25 +336,28 @@ struct Best {
 };
 
 template <class T>
-BURNISH_INLINE T spread_block(const FrontPoints<T>& front, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {
-  Row<T> least = Row<T>{} + std::numeric_limits<T>::infinity();
+BURNISH_INLINE T spread_block(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {
+  const Row<T> infinite = Row<T>{} + std::numeric_limits<T>::infinity(), low = Row<T>{} + static_cast<T>(settled * settled);
+  Row<T> least = infinite;
   for (int k = 0; k < kBlockSide; ++k)
     for (int j = 0; j < kBlockSide; ++j) {
+      const std::array<unsigned, 3> sources{front.rows_around(j, k - 1), front.rows_around(j, k), front.rows_around(j, k + 1)};
+      if ((sources[0] | sources[1] | sources[2]) == 0) continue;
       const auto row = static_cast<std::size_t>(j + kBlockSide * k), n = row * kBlockSide;
-      const Row<T> infinite = Row<T>{} + std::numeric_limits<T>::infinity();
-      Best<T> best{{}, {}, {}, load_row(&points.bound[n]), {}};
+      const Row<T> own = load_row(&points.bound[n]);
+      const Mask<T> wants = own > low;
+      if (bits_of<T>(wants) == 0) continue;
+      Best<T> best{{}, {}, {}, wants ? own : Row<T>{}, {}};
       for (int dz = -1; dz <= 1; ++dz)
-        for (int dy = -1; dy <= 1; ++dy) {
-          const std::size_t from = front.row_index(j + dy, k + dz);
-          if (front.row[from]) best.take(front, kFrontSide * from, dy, dz);
-        }
+        for (int dy = -1; dy <= 1; ++dy)
+          if ((sources[static_cast<std::size_t>(dz + 1)] >> (dy + 1) & 1) != 0) best.take(front, j, k, dy, dz);
       const std::uint8_t bits = bits_of<T>(best.better);
       if (bits == 0) continue;
       const Row<T> bound = best.d2 * kBetter<T>;
       store_row<T>(best.better ? best.x : load_row(&points.x[n]), &points.x[n]);
       store_row<T>(best.better ? best.y : load_row(&points.y[n]), &points.y[n]);
       store_row<T>(best.better ? best.z : load_row(&points.z[n]), &points.z[n]);
-      store_row<T>(best.better ? bound : load_row(&points.bound[n]), &points.bound[n]);
+      store_row<T>(best.better ? bound : own, &points.bound[n]);
       const Row<T> fresh = best.better ? bound : infinite;
       least = fresh < least ? fresh : least;
       open[row] |= bits;
@@ -374,12 +383,16 @@ BURNISH_INLINE T spread_block(const FrontPoints<T>& front, ClosestPoints<T>& poi
     refine_block(around, reach, octants, points, exact);                                                                                 \
   }                                                                                                                                      \
   template <>                                                                                                                            \
+  BURNISH_DISPATCH void refine(const Surroundings<T>& around, DistantNode& node) {                                                       \
+    refine_distant(around, node);                                                                                                        \
+  }                                                                                                                                      \
+  template <>                                                                                                                            \
   BURNISH_DISPATCH T publish(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out) {                  \
     return publish_block(points, radius, open, out);                                                                                     \
   }                                                                                                                                      \
   template <>                                                                                                                            \
-  BURNISH_DISPATCH T spread(const FrontPoints<T>& front, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {                  \
-    return spread_block(front, points, open, exact);                                                                                     \
+  BURNISH_DISPATCH T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {  \
+    return spread_block(front, settled, points, open, exact);                                                                            \
   }
 
 BURNISH_INSTANTIATE(float)

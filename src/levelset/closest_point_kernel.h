@@ -2,10 +2,12 @@
 // nodes and their closest points, all in cells of the block. The same bits on every processor.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <limits>
 
+#include "burnish/core/vec.h"
 #include "burnish/octree/field.h"
 
 namespace burnish::detail {
@@ -46,6 +48,15 @@ void seed(const Surroundings<T>& around, const BlockBits& beside, ClosestPoints<
 template <class T>
 void refine(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points, BlockBits& exact);
 
+// The same for one node anywhere whose closest point lies in the block: for feet in leaves finer than the node's.
+struct DistantNode {
+  Vec3 at, offset;  // in cells of the block
+  double sign;      // of phi at the node
+  bool refined = false;
+};
+template <class T>
+void refine(const Surroundings<T>& around, DistantNode& node);
+
 // What a block shows its neighbours: the closest points of the nodes that have come within the front's radius, x infinite elsewhere.
 template <class T>
 struct alignas(64) PublishedPoints {
@@ -53,28 +64,53 @@ struct alignas(64) PublishedPoints {
   BlockBits nodes;
 };
 
+// The closest point of a node, whose squared length in T decides which is nearer. Exact ones give way to those that are clearly nearer only.
+template <class T>
+void put(ClosestPoints<T>& points, std::size_t node, const Vec3& offset, bool is_exact) {
+  constexpr double kExact = 0.9;  // rounding alone moves no other node either
+  points.x[node] = static_cast<T>(offset.x);
+  points.y[node] = static_cast<T>(offset.y);
+  points.z[node] = static_cast<T>(offset.z);
+  points.bound[node] = static_cast<T>(squared_norm(offset) * (is_exact ? kExact : 1 - 8. * std::numeric_limits<T>::epsilon()));
+}
+
 // Moves the `open` nodes whose bound is at most radius^2 to `out`. Returns the least bound of what stays open.
 template <class T>
 T publish(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out);
 
-// Published points of a block and one layer around it; node (i, j, k) stands at (i + 1, j + 1, k + 1).
+// Published points of a block and one layer around it; node (i, j, k) stands at (i + 1, j + 1, k + 1). x is infinite where there is none.
 inline constexpr int kFrontSide = kBlockSide + 2;
 template <class T>
-struct FrontPoints {
+class FrontPoints {
+ public:
   std::array<T, std::size_t{kFrontSide} * kFrontSide * kFrontSide> x, y, z;
-  std::array<bool, std::size_t{kFrontSide} * kFrontSide> row;  // of y and z: whether it holds a point
 
-  static std::size_t row_index(int j, int k) { return static_cast<std::size_t>((j + 1) + kFrontSide * (k + 1)); }
-  static std::size_t index(int i, int j, int k) { return static_cast<std::size_t>(i + 1) + kFrontSide * row_index(j, k); }
-  void clear() {
+  FrontPoints() {
     x.fill(std::numeric_limits<T>::infinity());
-    row.fill(false);
+    y.fill(0);
+    z.fill(0);
   }
+  static std::size_t index(int i, int j, int k) { return static_cast<std::size_t>((i + 1) + kFrontSide * ((j + 1) + kFrontSide * (k + 1))); }
+
+  // Row (j, k) holds a point.
+  void note(int j, int k) { rows_[static_cast<std::size_t>(k + 1)] |= static_cast<std::uint16_t>(1u << (j + 1)); }
+  // Of rows j - 1, j, j + 1 of plane k: a bit for each that does.
+  unsigned rows_around(int j, int k) const { return rows_[static_cast<std::size_t>(k + 1)] >> j & 7u; }
+  bool empty() const { return rows_ == decltype(rows_){}; }
+  void clear() {
+    for (int k = -1; k <= kBlockSide; ++k)
+      for (int j = -1; j <= kBlockSide; ++j)
+        if ((rows_[static_cast<std::size_t>(k + 1)] >> (j + 1) & 1) != 0) std::fill_n(&x[index(-1, j, k)], kFrontSide, std::numeric_limits<T>::infinity());
+    rows_ = {};
+  }
+
+ private:
+  std::array<std::uint16_t, kFrontSide> rows_{};
 };
 
-// Gives every node the best of its 26 neighbours' published points, if it is better than its own; such nodes become open.
-// Returns the least new bound, or infinity. [T-REDIST-3]
+// Gives every node the best of its 26 neighbours' published points, if it is better than its own; such nodes become open. Nodes
+// whose bound is at most settled^2 keep theirs. Returns the least new bound, or infinity. [T-REDIST-3]
 template <class T>
-T spread(const FrontPoints<T>& front, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact);
+T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact);
 
 }  // namespace burnish::detail

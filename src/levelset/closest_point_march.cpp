@@ -15,6 +15,7 @@ namespace {
 
 constexpr std::size_t kGrain = 4;
 constexpr double kRebroadcast = 2;  // cells: refined nodes within this of the edge of what was refined start the next march
+constexpr double kUnsettled = 1;    // cells behind the front within which nodes may still take another point: coarser leaves lag by that
 constexpr int kFirstPass = 2;       // a radius of one cell: seeds are there already
 
 constexpr std::size_t kSeedSide = kBlockSide + 2 * kSeedHalo, kSeedNodes = kSeedSide * kSeedSide * kSeedSide;
@@ -39,6 +40,7 @@ class ClosestPointMarch {
   }
 
   void run() {
+    find_leaves_beside_coarser();
     seed_all();
     if (options_.method == RedistanceMethod::closest) {
       const double refined = std::min(options_.reach, kRefineReach);
@@ -68,9 +70,14 @@ class ClosestPointMarch {
 
   template <class Visit>
   void for_each_neighbor(std::uint32_t leaf, Visit&& visit) const {
-    for (int dir = 0; dir < kDirections; ++dir)
-      if (dir != kSelf)
+    for (int dir = 0; dir < kDirections; ++dir) {
+      const NeighborKind kind = tree_.neighbor_kind(leaf, dir);
+      if (dir == kSelf || kind == NeighborKind::wall) continue;
+      if (kind != NeighborKind::finer)
+        visit(dir, tree_.neighbor(leaf, dir));
+      else
         for (const std::uint32_t other : tree_.neighbors(leaf, dir)) visit(dir, other);
+    }
   }
 
   // Whether the leaf and those around it have nodes on both sides.
@@ -106,39 +113,65 @@ class ClosestPointMarch {
     for (std::size_t row = 0; row < nodes.size(); ++row) open_[slot][row] |= nodes[row];
   }
 
+  // Coarser leaves reach farther, in finest cells: leaves beside them, and beside such ones, carry points on as far as those need.
+  void find_leaves_beside_coarser() {
+    beside_coarser_.assign(leaves_.size(), 0);
+    const auto mark = [&](char ring, auto&& counts) {
+      for (std::size_t slot = 0; slot < leaves_.size(); ++slot)
+        for_each_neighbor(leaves_[slot], [&](int, std::uint32_t other) {
+          if (beside_coarser_[slot] == 0 && slot_[other] != kNone && counts(leaves_[slot], other)) beside_coarser_[slot] = ring;
+        });
+    };
+    mark(1, [&](std::uint32_t leaf, std::uint32_t other) { return tree_.level(other) > tree_.level(leaf); });
+    mark(2, [&](std::uint32_t, std::uint32_t other) { return beside_coarser_[slot_[other]] == 1; });
+  }
+
+  // How far a leaf carries points, in its cells, when results are wanted up to `reach`.
+  double reach_of(std::size_t slot, double reach) const { return beside_coarser_[slot] != 0 ? 2 * reach : reach; }
+
   // Carries closest points outwards, in layers of half a cell of each leaf's level, up to `reach` of its cells. [T-REDIST-3]
   void march(double reach) {
-    const T reach2 = static_cast<T>(reach * reach);
-    for (int pass = kFirstPass; std::any_of(least_open_.begin(), least_open_.end(), [&](T b) { return b < kInfinite && b <= reach2; }); ++pass) {
+    for (int pass = kFirstPass; is_open(reach); ++pass) {
       progress_.check();
       publish_layer(pass, reach);
-      if (!published_slots_.empty()) spread_layer();
+      if (!published_slots_.empty()) spread_layer(pass);
     }
   }
 
-  // The radius of a pass in cells of a leaf, or 0 if it is none of its passes.
-  static double radius_of(int pass, int level) { return pass % (1 << level) == 0 ? 0.5 * (pass >> level) : 0; }
+  bool is_open(double reach) const {
+    for (std::size_t slot = 0; slot < leaves_.size(); ++slot)
+      if (is_within(slot, reach_of(slot, reach))) return true;
+    return false;
+  }
+
+  // Whether some open node of the leaf is.
+  bool is_within(std::size_t slot, double radius) const {
+    return least_open_[slot] < kInfinite && least_open_[slot] <= static_cast<T>(radius * radius);
+  }
+
+  // The radius up to which a leaf publishes in a pass, in its cells, or 0 if that is none of its passes.
+  double radius_of(int pass, std::size_t slot, double reach) const {
+    const int level = tree_.level(leaves_[slot]);
+    return pass % (1 << level) == 0 ? std::min(0.5 * (pass >> level), reach_of(slot, reach)) : 0;
+  }
 
   void publish_layer(int pass, double reach) {
     published_slots_.clear();
-    for (std::uint32_t slot = 0; slot < leaves_.size(); ++slot) {
-      const double radius = std::min(reach, radius_of(pass, tree_.level(leaves_[slot])));
-      if (radius > 0 && least_open_[slot] <= static_cast<T>(radius * radius)) published_slots_.push_back(slot);
-    }
+    for (std::uint32_t slot = 0; slot < leaves_.size(); ++slot)
+      if (is_within(slot, radius_of(pass, slot, reach))) published_slots_.push_back(slot);
     published_.resize(std::max(published_.size(), published_slots_.size()));
     published_of_.resize(leaves_.size(), kNone);
     parallel_for(
         published_slots_.size(),
         [&](std::size_t p) {
           const std::uint32_t slot = published_slots_[p];
-          const double radius = std::min(reach, radius_of(pass, tree_.level(leaves_[slot])));
           published_of_[slot] = static_cast<std::uint32_t>(p);
-          least_open_[slot] = publish(points_[slot], radius, open_[slot], published_[p]);
+          least_open_[slot] = publish(points_[slot], radius_of(pass, slot, reach), open_[slot], published_[p]);
         },
         16);
   }
 
-  void spread_layer() {
+  void spread_layer(int pass) {
     reached_.resize(leaves_.size());
     const auto reach = [&](std::uint32_t leaf) {
       if (slot_[leaf] != kNone) reached_[slot_[leaf]] = 1;
@@ -151,18 +184,20 @@ class ClosestPointMarch {
     for (std::uint32_t slot = 0; slot < leaves_.size(); ++slot)
       if (reached_[slot] != 0) readers.push_back(slot), reached_[slot] = 0;
     parallel_ranges(readers.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      FrontPoints<T> front{};
+      FrontPoints<T> front;
       for (std::size_t r = begin; r < end; ++r) {
         const std::uint32_t slot = readers[r];
         read_front(slot, front);
-        least_open_[slot] = std::min(least_open_[slot], spread(front, points_[slot], open_[slot], exact_[slot]));
+        if (front.empty()) continue;
+        const double settled = std::max(0.0, 0.5 * pass / (1 << tree_.level(leaves_[slot])) - kUnsettled);
+        least_open_[slot] = std::min(least_open_[slot], spread(front, settled, points_[slot], open_[slot], exact_[slot]));
+        front.clear();
       }
     });
     for (const std::uint32_t slot : published_slots_) published_of_[slot] = kNone;
   }
 
   void read_front(std::uint32_t slot, FrontPoints<T>& front) const {
-    front.clear();
     const std::uint32_t leaf = leaves_[slot];
     FrontReader<T> reader(tree_, leaf, front);
     if (published_of_[slot] != kNone) reader.read_same(kSelf, published_[published_of_[slot]]);
@@ -178,30 +213,75 @@ class ClosestPointMarch {
     });
   }
 
-  // The octants around a leaf, as bits, that are no more than one level finer: elsewhere the leaf's own lattice may be too coarse
-  // for the surface.
+  // The octants around a leaf, as bits, that are not finer: its own lattice holds what is known of the surface there.
   std::uint32_t octants_to_refine_in(std::uint32_t leaf) const {
     std::uint32_t octants = 1u << kSelf;
     for (int dir = 0; dir < kDirections; ++dir) {
       const NeighborKind kind = tree_.neighbor_kind(leaf, dir);
-      if (kind == NeighborKind::same || kind == NeighborKind::coarser || (kind == NeighborKind::finer && is_one_finer(leaf, dir)))
-        octants |= 1u << dir;
+      if (kind == NeighborKind::same || kind == NeighborKind::coarser) octants |= 1u << dir;
     }
     return octants;
   }
 
-  bool is_one_finer(std::uint32_t leaf, int dir) const {
-    const auto [dx, dy, dz] = offset_of(dir);
-    const LatticeNode low = lattice_node(tree_, leaf, kBlockSide * dx, kBlockSide * dy, kBlockSide * dz);
-    const std::uint32_t last = (1u << tree_.level(leaf)) - 1;
-    const morton::Position first{static_cast<std::uint32_t>(low.x) / kBlockSide, static_cast<std::uint32_t>(low.y) / kBlockSide,
-                                 static_cast<std::uint32_t>(low.z) / kBlockSide};
-    return tree_.find({first.x + last, first.y + last, first.z + last}) - tree_.find(first) == 7;
+  bool has_finer(std::uint32_t leaf) const {
+    for (int dir = 0; dir < kDirections; ++dir)
+      if (tree_.neighbor_kind(leaf, dir) == NeighborKind::finer) return true;
+    return false;
   }
 
+  // A node and the leaf that holds its closest point.
+  struct DistantFoot {
+    std::uint32_t leaf, node;
+    bool operator<(const DistantFoot& b) const { return leaf != b.leaf ? leaf < b.leaf : node < b.node; }
+  };
+
+  // Refines nodes whose closest points lie in finer leaves, on the lattice there.
+  void refine_in_finer(std::size_t slot, T limit) {
+    const std::uint32_t leaf = leaves_[slot];
+    std::vector<DistantFoot> feet;
+    for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
+      if (!wants_refinement(slot, n, limit)) continue;
+      const std::uint32_t holder = leaf_at(foot_of(slot, n), leaf);
+      if (slot_[holder] != kNone && tree_.level(holder) < tree_.level(leaf)) feet.push_back({holder, n});
+    }
+    std::sort(feet.begin(), feet.end());
+    std::array<T, kSeedNodes> phi;
+    for (std::size_t f = 0; f < feet.size(); ++f) {
+      const std::uint32_t holder = feet[f].leaf;
+      if (f == 0 || feet[f - 1].leaf != holder) gather_smooth(tree_, set_.phi, holder, kSeedHalo, HaloOrder::cubic, phi.data());
+      const std::uint32_t n = feet[f].node;
+      const double cell = 1 << tree_.level(holder), ratio = (1 << tree_.level(leaf)) / cell;
+      DistantNode node{(position(leaf, n) - position(holder, 0)) / cell, offset(slot, n) * ratio, set_.phi.block(leaf)[n] >= 0 ? 1. : -1.};
+      refine(Surroundings<T>{phi.data(), kSeedHalo}, node);
+      if (!node.refined) continue;
+      put(points_[slot], n, node.offset / ratio, true);
+      exact_[slot][n / kBlockSide] |= static_cast<std::uint8_t>(1u << (n % kBlockSide));
+    }
+  }
+
+  Vec3 position(std::uint32_t leaf, std::uint32_t n) const {
+    const LatticeNode at = lattice_node(tree_, leaf, static_cast<int>(n % 8), static_cast<int>(n / 8 % 8), static_cast<int>(n / 64));
+    return {static_cast<double>(at.x), static_cast<double>(at.y), static_cast<double>(at.z)};
+  }
+  Vec3 offset(std::size_t slot, std::uint32_t n) const { return {points_[slot].x[n], points_[slot].y[n], points_[slot].z[n]}; }
+  Vec3 foot_of(std::size_t slot, std::uint32_t n) const {
+    return position(leaves_[slot], n) + offset(slot, n) * (1 << tree_.level(leaves_[slot]));
+  }
+
+  // The leaf that holds a point, which may lie a little beyond a wall.
+  std::uint32_t leaf_at(const Vec3& p, std::uint32_t near) const {
+    const auto block = [&](double x) {
+      return static_cast<std::uint32_t>(std::clamp(x / kBlockSide, 0.0, static_cast<double>(tree_.side() - 1)));
+    };
+    return tree_.find_near(near, {block(p.x), block(p.y), block(p.z)});
+  }
+
+  bool wants_refinement(std::size_t slot, std::size_t n, T limit) const {
+    return points_[slot].bound[n] <= limit && (exact_[slot][n / kBlockSide] >> (n % kBlockSide) & 1) == 0;
+  }
   bool wants_refinement(std::size_t slot, T limit) const {
     for (std::size_t n = 0; n < kBlockNodes; ++n)
-      if (points_[slot].bound[n] <= limit && (exact_[slot][n / kBlockSide] >> (n % kBlockSide) & 1) == 0) return true;
+      if (wants_refinement(slot, n, limit)) return true;
     return false;
   }
 
@@ -215,6 +295,7 @@ class ClosestPointMarch {
         if (!wants_refinement(slot, limit)) continue;
         gather_smooth(tree_, set_.phi, leaves_[slot], width, HaloOrder::cubic, phi.data());
         refine(Surroundings<T>{phi.data(), width}, reach, octants_to_refine_in(leaves_[slot]), points_[slot], exact_[slot]);
+        if (has_finer(leaves_[slot])) refine_in_finer(slot, limit);
         if (options_.reach > reach) open(slot, outermost(slot, reach));
       }
     });
@@ -264,7 +345,7 @@ class ClosestPointMarch {
   std::vector<T> least_open_;
   LargeArray<PublishedPoints<T>> published_;
   std::vector<std::uint32_t> published_slots_, published_of_;
-  std::vector<char> reached_;
+  std::vector<char> reached_, beside_coarser_;
 };
 
 }  // namespace

@@ -70,6 +70,32 @@ void redistance(benchmark::State& state) {
 }
 BENCHMARK(redistance)->Apply(in_cpu_time);
 
+// Through the whole domain, where every leaf of any level stores values.
+template <class T>
+void redistance_domain(benchmark::State& state, RedistanceMethod method) {
+  BasicLevelSet<T> set;
+  set.frame = level_set().frame;
+  set.grid = level_set().grid;
+  set.band = level_set().band;
+  Field<float> dense = level_set().phi;
+  dense.make_dense(set.grid.octree.size());
+  set.phi = Field<T>(set.grid.octree.size(), 0);
+  std::copy(dense.values().begin(), dense.values().end(), set.phi.values().begin());
+  const Field<T> start = set.phi;
+  for (auto _ : state) {
+    set.phi = start;
+    burnish::redistance(set, {.method = method});
+  }
+  const auto nodes = static_cast<double>(set.phi.values().size());
+  state.counters["seconds_per_node"] = benchmark::Counter(nodes, benchmark::Counter::kIsIterationInvariantRate | benchmark::Counter::kInvert);
+}
+void closest_in_domain(benchmark::State& state) { redistance_domain<float>(state, RedistanceMethod::closest); }
+BENCHMARK(closest_in_domain)->Apply(in_cpu_time);
+void fmm_in_domain(benchmark::State& state) { redistance_domain<float>(state, RedistanceMethod::fmm); }
+BENCHMARK(fmm_in_domain)->Apply(in_cpu_time);
+void fmm_in_domain_double(benchmark::State& state) { redistance_domain<double>(state, RedistanceMethod::fmm); }
+BENCHMARK(fmm_in_domain_double)->Apply(in_cpu_time);
+
 // Six Euler steps and one redistancing.
 void flow_of_unit_time(benchmark::State& state) {
   LevelSet set = level_set();

@@ -4,147 +4,157 @@
 
 #include <cmath>
 #include <cstring>
+#include <memory>
 #include <numbers>
 #include <random>
+#include <string>
 
 #include "burnish/core/parallel.h"
 #include "burnish/levelset/volume.h"
 #include "support/analytic_level_set.h"
+#include "support/analytic_shapes.h"
+#include "support/random_octree.h"
 
 namespace burnish {
 namespace {
 
 using namespace test;
 
-// Largest errors after redistancing, in parts of the shape's size.
+double order(double coarse, double fine) { return std::log2(coarse / fine); }
+
+// Calls visit(position, value, level) with all nodes of leaves that store values.
+template <class T, class Visit>
+void for_each_stored(BasicLevelSet<T>& set, Visit&& visit) {
+  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
+    if (!set.phi.stores(leaf)) continue;
+    T* phi = set.phi.block(leaf);
+    for (int n = 0; n < static_cast<int>(kBlockNodes); ++n)
+      visit(to_vec(lattice_node(set.octree(), leaf, n % 8, n / 8 % 8, n / 64)), phi[n], set.octree().level(leaf));
+  }
+}
+
+template <class T>
+bool same_bits(const Field<T>& a, const Field<T>& b) {
+  return a.values().size() == b.values().size() && std::memcmp(a.values().data(), b.values().data(), a.values().size() * sizeof(T)) == 0;
+}
+
+// The cubic polynomials through nodes -1, 0, 1, 2.
+std::array<double, 4> cubic(double t) {
+  return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
+}
+
+// The tricubic interpolant of a block with a halo of four at a point in cells of the block.
+double tricubic_value(const std::vector<double>& dense, const Vec3& p) {
+  const std::array<int, 3> low{static_cast<int>(std::floor(p.x)), static_cast<int>(std::floor(p.y)), static_cast<int>(std::floor(p.z))};
+  const std::array<double, 4> x = cubic(p.x - low[0]), y = cubic(p.y - low[1]), z = cubic(p.z - low[2]);
+  double sum = 0;
+  for (int c = 0; c < 4; ++c)
+    for (int b = 0; b < 4; ++b)
+      for (int a = 0; a < 4; ++a)
+        sum += x[static_cast<std::size_t>(a)] * y[static_cast<std::size_t>(b)] * z[static_cast<std::size_t>(c)] *
+               dense[static_cast<std::size_t>((low[0] + 3 + a) + 16 * ((low[1] + 3 + b) + 16 * (low[2] + 3 + c)))];
+  return sum;
+}
+
+// How far the surface moved, in cells: the largest difference, at points of the true surface, of the tricubic interpolants of phi and of the
+// exact distance. Both have |grad| = 1 there. The points are the feet of nodes within one cell.
+double displacement(const PlacedShape& placed, const BasicLevelSet<double>& set, const Field<double>& exact) {
+  const Octree& tree = set.octree();
+  std::vector<double> worst(tree.size());
+  parallel_for(
+      tree.size(),
+      [&](std::size_t leaf) {
+        if (!set.phi.stores(leaf)) return;
+        const double cell = 1 << tree.level(leaf);
+        std::vector<double> now(4096), then(4096);
+        bool gathered = false;
+        for (int n = 0; n < static_cast<int>(kBlockNodes); n += 3) {
+          if (std::abs(exact.block(leaf)[n]) >= cell) continue;
+          if (!gathered) {
+            gather_smooth(tree, set.phi, leaf, 4, HaloOrder::cubic, now.data());
+            gather_smooth(tree, exact, leaf, 4, HaloOrder::cubic, then.data());
+            gathered = true;
+          }
+          const Vec3 foot = placed.closest(to_vec(lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64))).foot;
+          const Vec3 at = (foot - to_vec(lattice_node(tree, leaf, 0, 0, 0))) / cell;
+          worst[leaf] = std::max(worst[leaf], std::abs(tricubic_value(now, at) - tricubic_value(then, at)) / cell);
+        }
+      },
+      4);
+  return *std::max_element(worst.begin(), worst.end());
+}
+
+constexpr double kBand = 5;
+
+// Largest errors: near and band in parts of the shape's size, within one and four cells of the surface; the displacement in cells.
 struct Errors {
-  double near = 0;       // nodes within one cell of the surface
-  double band = 0;       // all nodes within the band but its last cell
-  double surface = 0;    // distance of the zero crossings of lattice edges from the true surface
+  double near = 0, band = 0, moved = 0;
 };
 
-// `distance` (positive inside) times 1 + 0.3 sin of what varies over the shape, redistanced once.
-template <class T, class Distance>
-Errors redistanced(int depth, double size, double band, const Distance& distance) {
-  const auto stretch = [&](const Vec3& p) {
-    return 1 + 0.3 * std::sin(3 * p.x / size + 0.5) * std::cos(2 * p.y / size) + 0.1 * std::sin(2 * p.z / size);
-  };
-  BasicLevelSet<T> set = analytic_level_set<T>(depth, band, distance);
-  for_each_near_node(set, [&](const Vec3& p, T& phi) { phi = static_cast<T>(distance(p) * stretch(p)); });
+Errors worse(const Errors& a, const Errors& b) { return {std::max(a.near, b.near), std::max(a.band, b.band), std::max(a.moved, b.moved)}; }
+
+// Errors once (0.1 + |x - x0|^2) distance, lengths in the shape's size and x0 on the surface, was redistanced.
+Errors errors_of_scaled(const AnalyticShape& shape, int cells, std::mt19937& random, bool jump) {
+  const double size = (cells / 2 - 9) / shape.radius();
+  const PlacedShape placed = placed_at_random(shape, size, 8, random);
+  BasicLevelSet<double> set = level_set_of_shape<double>(placed, kBand, jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
+  const Field<double> exact = set.phi;
+  const Vec3 x0 = placed.closest(placed.center + random_rotation(random)[0] * (shape.radius() * size)).foot;
+  for_each_stored(set, [&](const Vec3& p, double& phi, int) { phi *= 0.1 + squared_norm((p - x0) / size); });
   redistance(set);
   Errors errors;
-  for_each_near_node(set, [&](const Vec3& p, T& phi) {
-    const double d = distance(p), error = std::abs(phi - d) / size;
-    if (std::abs(d) < 1) errors.near = std::max(errors.near, error);
-    if (std::abs(d) < band - 1) errors.band = std::max(errors.band, error);
-  });
-  for (const Vec3& x : edge_crossings(set)) errors.surface = std::max(errors.surface, std::abs(distance(x)) / size);
+  errors.moved = displacement(placed, set, exact);
+  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
+    const double cell = 1 << set.octree().level(leaf);
+    for (std::size_t n = 0; set.phi.stores(leaf) && n < kBlockNodes; ++n) {
+      const double d = exact.block(leaf)[n], error = std::abs(set.phi.block(leaf)[n] - d) / size;
+      EXPECT_EQ(set.phi.block(leaf)[n] >= 0, d >= 0);
+      if (std::abs(d) < cell) errors.near = std::max(errors.near, error);
+      if (std::abs(d) < (kBand - 1) * cell && std::abs(d) < 0.5 * size) errors.band = std::max(errors.band, error);
+    }
+  }
   return errors;
 }
 
-double order(double coarse, double fine) { return std::log2(coarse / fine); }
+void record(const std::string& name, const Errors& e) {
+  testing::Test::RecordProperty(name + "_near", std::to_string(e.near * 1e9) + "e-9");
+  testing::Test::RecordProperty(name + "_band", std::to_string(e.band * 1e9) + "e-9");
+  testing::Test::RecordProperty(name + "_moved_cells", std::to_string(e.moved * 1e9) + "e-9");
+  if (std::getenv("BURNISH_SHOW") != nullptr) std::printf("%s near %.3g band %.3g moved %.3g\n", name.c_str(), e.near, e.band, e.moved);
+}
 
-Errors worst_ball(double radius, int offsets) {
-  std::mt19937 random(4);
-  Errors worst;
-  for (int i = 0; i < offsets; ++i) {
-    int depth = 0;
-    while (8 << depth < 2 * radius + 30) ++depth;
-    const double middle = (8 << depth) / 2.0;
-    const Vec3 center = Vec3{middle, middle, middle} + random_offset(random);
-    const Errors e = redistanced<double>(depth, radius, 4, [=](const Vec3& p) { return radius - norm(p - center); });
-    worst = {std::max(worst.near, e.near), std::max(worst.band, e.band), std::max(worst.surface, e.surface)};
+std::vector<Errors> errors_of_scaled(const AnalyticShape& shape, std::initializer_list<int> cells, bool jump) {
+  std::mt19937 random(11);
+  std::vector<Errors> result;
+  for (const int n : cells) {
+    Errors worst;
+    for (int offset = 0; offset < (n > 200 ? 1 : 4); ++offset) worst = worse(worst, errors_of_scaled(shape, n, random, jump));
+    record(shape.name() + "_" + std::to_string(n), worst);
+    result.push_back(worst);
   }
-  return worst;
+  return result;
 }
 
-TEST(Redistance, BallsConvergeWithSecondOrderBesideTheSurface) {
-  const Errors e8 = worst_ball(8, 5), e16 = worst_ball(16, 5), e32 = worst_ball(32, 2);
-  for (const auto& [name, value] : {std::pair{"near_32", e32.near}, {"band_32", e32.band}, {"surface_32", e32.surface},
-                                    {"order_near", order(e16.near, e32.near)}})
-    RecordProperty(name, std::to_string(value));
-  EXPECT_GE(order(e8.near, e16.near), 2) << e8.near << " -> " << e16.near;
-  EXPECT_GE(order(e16.near, e32.near), 2) << e16.near << " -> " << e32.near;
-  // Farther out a node has a neighbour's closest point, beside its own: in cells the error stays what it is.
-  EXPECT_LE(e8.band * 8, 0.25);
-  EXPECT_LE(e16.band * 16, 0.2);
-  EXPECT_LE(e32.band * 32, 0.2);
-  // In cells: phi at the surface's nodes, and by how much edges' crossings are off (which are linear: h^2 kappa / 8).
-  EXPECT_LE(e16.near * 16, 1e-3);
-  EXPECT_LE(e32.near * 32, 1e-4);
-  EXPECT_LE(e16.surface * 16, 2.5e-2);
-}
-
-TEST(Redistance, ToriToo) {
-  const auto torus_errors = [](double radius, int depth) {
-    const double middle = (8 << depth) / 2.0;
-    const Vec3 center{middle + 0.3, middle + 0.1, middle - 0.2};
-    return redistanced<double>(depth, radius, 4, [=](const Vec3& p) {
-      const Vec3 q = p - center;
-      return 0.5 * radius - std::hypot(std::hypot(q.x, q.y) - radius, q.z);
-    });
-  };
-  const Errors coarse = torus_errors(16, 4), fine = torus_errors(32, 4);
-  RecordProperty("order_near", std::to_string(order(coarse.near, fine.near)));
-  EXPECT_GE(order(coarse.near, fine.near), 2) << coarse.near << " -> " << fine.near;
-  EXPECT_LE(fine.band * 32, 0.2);
-}
-
-// Again and again: what moves is far below a cell, in float too.
-template <class T>
-double drift_after(double radius, int times) {
-  auto [set, center] = analytic_ball<T>(radius, {0.31, 0.77, 0.13}, 4);
-  const double before = enclosed_volume(set);
-  for (int i = 0; i < times; ++i) redistance(set);
-  return (enclosed_volume(set) - before) / (4 * std::numbers::pi * radius * radius);  // mean displacement, in cells
-}
-
-TEST(Redistance, RepeatedItLeavesTheSurfaceWhereItIs) {
-  const double coarse = drift_after<double>(8, 10), fine = drift_after<double>(16, 10);
-  RecordProperty("cells_8", std::to_string(coarse));
-  RecordProperty("cells_16", std::to_string(fine));
-  EXPECT_LE(std::abs(fine), 2e-3);
-  EXPECT_LE(std::abs(drift_after<float>(16, 10)), 2e-3);
-  EXPECT_GE(order(std::abs(coarse / 8), std::abs(fine / 16)), 1.8);
-}
-
-TEST(Redistance, PlanesComeBack) {
-  const Vec3 n = Vec3{0.36, 0.48, 0.8};
-  auto distance = [=](const Vec3& p) { return dot(n, p - Vec3{32.2, 31.9, 32.4}); };
-  BasicLevelSet<double> set = analytic_level_set<double>(3, 4, distance);
-  for_each_near_node(set, [&](const Vec3& p, double& phi) { phi = 0.7 * distance(p); });
-  redistance(set);
-  double worst_near = 0, worst_far = 0;
-  for_each_near_node(set, [&](const Vec3& p, double& phi) {
-    const bool inner = std::min({p.x, p.y, p.z}) > 12 && std::max({p.x, p.y, p.z}) < 51;
-    double& worst = std::abs(distance(p)) < 1 ? worst_near : worst_far;
-    if (inner && std::abs(distance(p)) < 4) worst = std::max(worst, std::abs(phi - distance(p)));
-  });
-  EXPECT_LE(worst_near, 1e-6);
-  EXPECT_LE(worst_far, 0.1);
-}
-
-TEST(Redistance, ClampsToTheBandAndKeepsSigns) {
-  auto [set, center] = analytic_ball<float>(10, {0.2, 0.4, 0.6}, 3);
-  for_each_near_node(set, [](const Vec3& p, float& phi) { phi *= 1 + 0.2f * static_cast<float>(std::sin(p.x)); });
-  const Field<float> before = set.phi;
-  redistance(set);
-  for (std::size_t i = 0; i < before.values().size(); ++i) {
-    ASSERT_EQ(set.phi.values()[i] >= 0, before.values()[i] >= 0);
-    ASSERT_LE(std::abs(set.phi.values()[i]), 3);
+TEST(Redistance, BadlyScaledFieldsBecomeDistancesOfFourthOrder) {
+  const auto sphere = unit_sphere(), torus = unit_torus(), ellipsoid = unit_ellipsoid();
+  for (const AnalyticShape* shape : {sphere.get(), torus.get(), ellipsoid.get()}) {
+    SCOPED_TRACE(shape->name());
+    const std::vector<Errors> e = errors_of_scaled(*shape, {32, 64, 128, 256}, false);
+    for (const Errors& each : e) EXPECT_TRUE(std::isfinite(each.near) && std::isfinite(each.band));
+    EXPECT_GE(order(e[2].near, e[3].near), 4);
+    EXPECT_GE(order(e[2].band, e[3].band), 3);
+    EXPECT_LE(e[3].moved, 1e-3);
   }
 }
 
-TEST(Redistance, SameBitsForAnyNumberOfThreads) {
-  const auto run = [](int threads) {
-    const ThreadLimit limit(threads);
-    auto ball = analytic_ball<float>(20, {0.2, 0.4, 0.6}, 4);
-    for_each_near_node(ball.set, [](const Vec3& p, float& phi) { phi *= 1 + 0.2f * static_cast<float>(std::sin(p.x)); });
-    redistance(ball.set);
-    return ball.set.phi.values();
-  };
-  const LargeArray<float> one = run(1), four = run(4);
-  EXPECT_EQ(std::memcmp(one.data(), four.data(), one.size() * sizeof(float)), 0);
+TEST(Redistance, AcrossLevelJumpsToo) {
+  const auto sphere = unit_sphere(), torus = unit_torus();
+  for (const AnalyticShape* shape : {sphere.get(), torus.get()}) {
+    SCOPED_TRACE(shape->name());
+    const std::vector<Errors> e = errors_of_scaled(*shape, {64, 128, 256}, true);
+    EXPECT_GE(order(e[1].near, e[2].near), 2);
+    EXPECT_GE(order(e[1].band, e[2].band), 2);
+  }
 }
 
 }  // namespace
