@@ -203,15 +203,17 @@ class PdeRedistancer {
       progress_.check();
       HaloBlock halo;
       for (std::size_t slot = begin; slot < end; ++slot) {
-        mark_accepted(leaves_[slot], crossings_[slot]);
-        halos_.fill_halo(set_.phi, leaves_[slot], kWenoWidth, halo);
-        find_crossings(halo, crossings_[slot]);
+        if (options_.accepted != nullptr) {
+          mark_accepted(leaves_[slot], crossings_[slot]);
+        } else {
+          halos_.fill_halo(set_.phi, leaves_[slot], kWenoWidth, halo);
+          find_crossings(halo, crossings_[slot]);
+        }
       }
     });
   }
 
   void mark_accepted(std::size_t leaf, BlockCrossings& crossings) const {
-    if (options_.accepted == nullptr) return;
     const std::uint8_t* accepted = options_.accepted->block(leaf);
     for (std::size_t n = 0; n < kBlockNodes; ++n)
       if (accepted[n] != 0) add(crossings.still, n), crossings.any = true;
