@@ -9,7 +9,6 @@
 #include "burnish/core/parallel.h"
 #include "curvature_kernel.h"
 #include "point_groups.h"
-#include "shape_operator.h"
 
 namespace burnish {
 namespace {
@@ -24,6 +23,8 @@ constexpr int kFineSteps = 6;
 constexpr double kFineFourth = 1e-6, kFineSixth = 1e-8;  // cells
 constexpr double kUnsettled = 0.05;     // cells: between two cells, where gradients jump, steps can go to and fro; larger ones are kinks
 constexpr double kFlattest = 0.75, kSteepest = 4.0 / 3;  // |grad phi|
+constexpr double kSmooth = 0.1;         // where second derivatives of high and of second order differ by more of themselves, phi has a kink nearby,
+constexpr double kFlat = 0.02;          // or of more than this times it, per cell, where they are small
 constexpr double kSharpest = 2;         // the largest curvature that a lattice can show, per cell
 constexpr std::size_t kGrain = 4;       // leaves
 
@@ -51,17 +52,26 @@ class FrontCurvatures {
   }
 
  private:
+  // Points whose jets are known.
+  struct Batch {
+    std::size_t count = 0;
+    std::array<std::uint32_t, JetBatch::kSize> points;
+    JetBatch jets;
+  };
+
   void visit_groups(bool may_move) {
     const PointGroups groups(leaf_of_, tree_.size());
     parallel_ranges(groups.leaves.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
       std::array<T, kJetNodes> values;
       JetBlock block;
+      Batch batch;
       for (std::size_t g = begin; g < end; ++g) {
         const std::uint32_t leaf = groups.leaves[g];
         gather_smooth(tree_, set_.phi, leaf, kJetWidth, order_ == 2 ? HaloOrder::cubic : HaloOrder::quintic, values.data());
         fill(values.data(), 1.0 / (1 << tree_.level(leaf)), limits_of(leaf), block);
-        for (std::size_t n = groups.first[g]; n < groups.first[g + 1]; ++n) visit_point(leaf, block, groups.order[n], may_move);
+        for (std::size_t n = groups.first[g]; n < groups.first[g + 1]; ++n) visit_point(leaf, block, groups.order[n], may_move, batch);
+        finish(1.0 / (1 << tree_.level(leaf)), batch);
       }
     });
   }
@@ -95,7 +105,7 @@ class FrontCurvatures {
     return dir == kSelf || tree_.neighbor_kind(leaf, dir) == NeighborKind::same;
   }
 
-  void visit_point(std::uint32_t leaf, const JetBlock& block, std::uint32_t i, bool may_move) {
+  void visit_point(std::uint32_t leaf, const JetBlock& block, std::uint32_t i, bool may_move, Batch& batch) {
     FrontCurvature& found = found_[i];
     const Vec3 x = to_array(tree_, leaf, kJetWidth, points_[i]);
     Vec3 y = to_array(tree_, leaf, kJetWidth, found.foot);
@@ -110,7 +120,9 @@ class FrontCurvatures {
     found.order = find_jet(block, x, y, jet);
     if (found.order == 0) return;
     found.foot = to_lattice(tree_, leaf, kJetWidth, y);
-    set_curvatures(jet, 1.0 / (1 << tree_.level(leaf)), found);
+    batch.jets.set(batch.count, jet);
+    batch.points[batch.count++] = i;
+    if (batch.count == JetBatch::kSize) finish(1.0 / (1 << tree_.level(leaf)), batch);
   }
 
   // [T-REDIST-1] Closest point to x on the tricubic interpolant's zero surface, from y on.
@@ -145,32 +157,58 @@ class FrontCurvatures {
       const double length = norm(jet.gradient);
       if (!(length > kFlattest && length < kSteepest)) return 0;
       if (order == 2) return order;
-      const Vec3 move = newton_move(ShapeOperator(jet, length), jet.value / length, x - y);
+      const Vec3 move = newton_move(jet, length, x - y);
       y += move;
       const double longest = step + 1 < kFineSteps ? 1 : kUnsettled;
       if (!(squared_norm(move) < longest * longest)) return 0;
       if (squared_norm(move) < fine * fine) break;
     }
-    return order;
+    return is_smooth(block, y, jet) ? order : 2;
   }
 
-  // [T-CURV-5] `inside`: distance from the level set to the surface, outwards positive.
-  static Vec3 newton_move(const ShapeOperator& s, double inside, const Vec3& along) {
-    const double out = dot(along, s.frame.normal), a = dot(along, s.frame.u), b = dot(along, s.frame.v);
-    const double uu = 1 + out * s.uu, uv = out * s.uv, vv = 1 + out * s.vv;
-    const double determinant = std::max(uu * vv - uv * uv, 0.1);
-    return s.frame.normal * inside + s.frame.u * ((vv * a - uv * b) / determinant) + s.frame.v * ((uu * b - uv * a) / determinant);
+  // [T-CURV-7] Where the stencil seems to reach over a kink, derivatives of second order take the jet's place.
+  static bool is_smooth(const JetBlock& block, const Vec3& y, Jet& jet) {
+    const auto size = [](double xx, double yy, double zz, double xy, double xz, double yz) {
+      return xx * xx + yy * yy + zz * zz + 2 * (xy * xy + xz * xz + yz * yz);
+    };
+    Jet low;
+    jet_of_second_order(block, y, low);
+    const double difference = size(jet.xx - low.xx, jet.yy - low.yy, jet.zz - low.zz, jet.xy - low.xy, jet.xz - low.xz, jet.yz - low.yz);
+    const double most = kSmooth * (std::sqrt(size(low.xx, low.yy, low.zz, low.xy, low.xz, low.yz)) + kFlat);
+    if (difference <= most * most) return true;
+    jet = low;
+    return false;
   }
 
-  static void set_curvatures(const Jet& jet, double per_cell, FrontCurvature& found) {
-    const ShapeOperator s(jet, norm(jet.gradient));
-    const double half = s.half_difference();
-    found.normal = s.frame.normal;
-    found.k1 = (s.mean() + half) * per_cell;
-    found.k2 = (s.mean() - half) * per_cell;
-    found.direction1 = s.direction1();
-    found.direction2 = cross(found.normal, found.direction1);
-    found.converged = std::abs(s.mean()) + half <= kSharpest;
+  // [T-CURV-5] `along`: from the foot as it is to the point.
+  static Vec3 newton_move(const Jet& jet, double length, const Vec3& along) {
+    const auto times = [&](const Vec3& a) {
+      return Vec3{jet.xx * a.x + jet.xy * a.y + jet.xz * a.z, jet.xy * a.x + jet.yy * a.y + jet.yz * a.z, jet.xz * a.x + jet.yz * a.y + jet.zz * a.z};
+    };
+    const Vec3 n = jet.gradient * (-1 / length), hn = times(n);
+    const double nhn = dot(n, hn), trace = -(jet.xx + jet.yy + jet.zz - nhn) / length;
+    // tr(S^2) = tr((P H P)^2) / |grad phi|^2
+    const double h2 = jet.xx * jet.xx + jet.yy * jet.yy + jet.zz * jet.zz + 2 * (jet.xy * jet.xy + jet.xz * jet.xz + jet.yz * jet.yz);
+    const double squares = (h2 - 2 * squared_norm(hn) + nhn * nhn) / (length * length);
+    const double d = dot(along, n), determinant = std::max(1 + d * trace + 0.5 * d * d * (trace * trace - squares), 0.1);
+    const Vec3 t = along - n * d, ht = times(t), st = (ht - n * dot(n, ht)) * (-1 / length);
+    return n * (jet.value / length) + (t * (1 + d * trace) - st * d) * (1 / determinant);
+  }
+
+  void finish(double per_cell, Batch& batch) {
+    CurvatureBatch curvatures;
+    principal_curvatures(batch.jets, batch.count, curvatures);
+    for (std::size_t n = 0; n < batch.count; ++n) {
+      FrontCurvature& found = found_[batch.points[n]];
+      const double k1 = curvatures.k1[n], k2 = curvatures.k2[n];
+      found.normal = CurvatureBatch::at(curvatures.normal, n);
+      found.k1 = k1 * per_cell;
+      found.k2 = k2 * per_cell;
+      found.direction1 = CurvatureBatch::at(curvatures.direction1, n);
+      found.direction2 = CurvatureBatch::at(curvatures.direction2, n);
+      found.converged = std::abs(k1) <= kSharpest && std::abs(k2) <= kSharpest;
+    }
+    batch.count = 0;
   }
 
   const BasicLevelSet<T>& set_;

@@ -1,5 +1,6 @@
 #include "curvature_kernel.h"
 
+#include <cmath>
 #include <cstring>
 
 #include "kernel_rows.h"
@@ -168,7 +169,49 @@ BURNISH_INLINE void fill_with(const T* gathered, double scale, const JetLimits& 
   }
 }
 
+// By components, for loops over many points.
+struct Components {
+  double x, y, z;
+  BURNISH_INLINE Components operator*(double s) const { return {x * s, y * s, z * s}; }
+  BURNISH_INLINE Components operator+(const Components& b) const { return {x + b.x, y + b.y, z + b.z}; }
+};
+BURNISH_INLINE double inner(const Components& a, const Components& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+BURNISH_INLINE Components outer(const Components& a, const Components& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+BURNISH_INLINE Components unit(const Components& a) { return a * (1 / std::sqrt(inner(a, a))); }
+BURNISH_INLINE void put(const Components& a, std::size_t n, std::array<JetBatch::Lanes, 3>& to) { to[0][n] = a.x, to[1][n] = a.y, to[2][n] = a.z; }
+
 }  // namespace
+
+BURNISH_DISPATCH
+void principal_curvatures(const JetBatch& jets, std::size_t count, CurvatureBatch& curvatures) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const Components g{jets.gradient[0][i], jets.gradient[1][i], jets.gradient[2][i]};
+    const double inverse = 1 / std::sqrt(inner(g, g));
+    const Components n = g * -inverse;
+    // A tangent frame that depends on the normal alone: u is orthogonal to the axis that the normal is farthest from.
+    const double ax = std::abs(n.x), ay = std::abs(n.y), az = std::abs(n.z);
+    const double ex = (ax <= ay) & (ax <= az) ? 1 : 0, ey = ay <= az ? 1 - ex : 0, ez = 1 - ex - ey;
+    const Components u = unit(outer({ex, ey, ez}, n)), v = outer(n, u);
+    const auto times = [&](const Components& a) __attribute__((always_inline)) {
+      return Components{jets.xx[i] * a.x + jets.xy[i] * a.y + jets.xz[i] * a.z, jets.xy[i] * a.x + jets.yy[i] * a.y + jets.yz[i] * a.z,
+                        jets.xz[i] * a.x + jets.yz[i] * a.y + jets.zz[i] * a.z};
+    };
+    const Components hu = times(u), hv = times(v);
+    const double uu = -inner(u, hu) * inverse, uv = -inner(u, hv) * inverse, vv = -inner(v, hv) * inverse;
+    const double mean = 0.5 * (uu + vv), d = 0.5 * (uu - vv), r = std::sqrt(d * d + uv * uv);
+    curvatures.k1[i] = mean + r;
+    curvatures.k2[i] = mean - r;
+    // cos and sin of half the angle of (d, uv): the larger one first, without cancellation. At umbilics u.
+    const double some = r > 0 ? r : 1, large = std::sqrt(0.5 * (some + std::abs(d)) / some), small = 0.5 * std::abs(uv) / (some * large);
+    const double c = d < 0 ? small : large, s = d < 0 ? large : small;
+    const Components along = unit(u * c + v * (uv < 0 ? -s : s));
+    put(n, i, curvatures.normal);
+    put(along, i, curvatures.direction1);
+    put(outer(n, along), i, curvatures.direction2);
+  }
+}
 
 BURNISH_DISPATCH
 void fill(const float* gathered, double scale, const JetLimits& limits, JetBlock& block) { fill_with(gathered, scale, limits, block); }

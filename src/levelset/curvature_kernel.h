@@ -62,4 +62,26 @@ void jet_of_second_order(const JetBlock& block, const Vec3& p, Jet& jet);
 void jet_of_fourth_order(const JetBlock& block, const Vec3& p, Jet& jet);
 void jet_of_sixth_order(const JetBlock& block, const Vec3& p, Jet& jet);
 
+// Jets at points of the surface, and what follows from them, in arrays by component.
+struct JetBatch {
+  static constexpr std::size_t kSize = 32;
+  using Lanes = std::array<double, kSize>;
+  std::array<Lanes, 3> gradient;
+  Lanes xx, xy, xz, yy, yz, zz;
+
+  void set(std::size_t lane, const Jet& jet) {
+    for (int a = 0; a < 3; ++a) gradient[static_cast<std::size_t>(a)][lane] = jet.gradient[a];
+    xx[lane] = jet.xx, xy[lane] = jet.xy, xz[lane] = jet.xz, yy[lane] = jet.yy, yz[lane] = jet.yz, zz[lane] = jet.zz;
+  }
+};
+struct CurvatureBatch {
+  JetBatch::Lanes k1, k2;  // per cell
+  std::array<JetBatch::Lanes, 3> normal, direction1, direction2;
+
+  static Vec3 at(const std::array<JetBatch::Lanes, 3>& v, std::size_t lane) { return {v[0][lane], v[1][lane], v[2][lane]}; }
+};
+
+// The shape operator's eigenvalues and eigenvectors, of the first `count` jets. [T-CURV-2]
+void principal_curvatures(const JetBatch& jets, std::size_t count, CurvatureBatch& curvatures);
+
 }  // namespace burnish::detail

@@ -140,10 +140,10 @@ std::map<int, ByOrder> table_of(const AnalyticShape& shape) {
   return table;
 }
 
-// Observed order per halving of h, over the sizes from 8 to 32. The trefoil's strands are so near to each other that stencils at R/h = 8 see the
-// kink between them: there from 16 to 32, or, where 32 is too much, from 8 to 16, which flatters.
+// Observed order per halving of h, over the sizes from 8 to 32. The trefoil's strands are so near to each other that wide stencils at R/h = 8 see the
+// kink between them: orders 4 and 6 there from 16 to 32, or, where 32 is too much, from 8 to 16, which flatters.
 double observed(const AnalyticShape& shape, const std::map<int, ByOrder>& table, int order, double Errors::*error) {
-  const int last = table.contains(32) ? 32 : 16, first = shape.name() == "trefoil" ? last / 2 : 8;
+  const int last = table.contains(32) ? 32 : 16, first = shape.name() == "trefoil" && order > 2 ? last / 2 : 8;
   return std::log2(table.at(first).at(order).*error / (table.at(last).at(order).*error)) / std::log2(last / first);
 }
 
@@ -164,7 +164,7 @@ void expect_orders(const AnalyticShape& shape, const std::map<int, ByOrder>& tab
   for (const auto& [size, by_order] : table)
     for (const auto& [order, e] : by_order) {
       EXPECT_EQ(e.unconverged, 0u) << size << ' ' << order;
-      if (size >= 8) {
+      if (size >= 8 && (size > 8 || shape.name() != "trefoil")) {
         EXPECT_EQ(e.lower_order, 0u) << size << ' ' << order;
       }
     }
@@ -280,7 +280,8 @@ TEST(QuadricCurvatureT1, AgreesWithTheStencils) {
     if (shape->name() == "trefoil" && !full_experiments()) continue;
     SCOPED_TRACE(shape->name());
     std::map<int, Errors> errors;
-    for (const int size : {8, 16}) {
+    const int first = shape->name() == "trefoil" ? 16 : 8;  // at 8 stencils see the kink between its strands
+    for (const int size : {first, 2 * first}) {
       std::mt19937 random(8);
       const PlacedShape placed = placed_at_random(*shape, size, 12, random);
       const BasicLevelSet<double> set = level_set_of_shape<double>(placed, kBand);
@@ -299,7 +300,7 @@ TEST(QuadricCurvatureT1, AgreesWithTheStencils) {
         EXPECT_LE(norm(fits[i].foot - stencils[i].foot), 0.02 * 64 / (size * size));
       }
     }
-    EXPECT_GE(std::log2(errors[8].principal / errors[16].principal), 1.7);
+    EXPECT_GE(std::log2(errors[first].principal / errors[2 * first].principal), 1.7);
   }
 }
 

@@ -155,6 +155,21 @@ TEST(FrontCurvature, FallsBackWhereStencilsMeetClampedValues) {
   EXPECT_EQ(converged, 0u);
 }
 
+// Two balls 3.6 cells apart, and between them a kink of phi at x = 31.2: nodes 28 to 31 see nothing of it, 27 to 32 and 26 to 33 do. [T-CURV-7]
+TEST(FrontCurvature, FallsBackBesideKinks) {
+  const Vec3 apart{(14 + 3.6 + 14) / 2, 0, 0};
+  const auto set = uniform_level_set(12, [&](const Vec3& p) { return std::max(ball(p + apart), ball(p - apart)); });
+  const Vec3 between = kCenter - Vec3{1.8, 0, 0}, beside = kCenter - apart + Vec3{-2, 13.9, 0};
+  for (const CurvatureOrder order : {CurvatureOrder::second, CurvatureOrder::fourth, CurvatureOrder::sixth}) {
+    const auto found = curvatures(set, {between, beside}, order);
+    ASSERT_TRUE(found[0].converged && found[1].converged);
+    EXPECT_EQ(found[0].order, 2);
+    EXPECT_NEAR(found[0].k1 * 14, 1, 0.01);
+    EXPECT_NEAR(found[0].k2 * 14, 1, 0.01);
+    EXPECT_EQ(found[1].order, static_cast<int>(order));
+  }
+}
+
 TEST(FrontCurvature, FallsBackAtWalls) {
   const auto set = uniform_level_set(8, [](const Vec3& p) { return 20.3 - p.z; });
   std::vector<Vec3> points;
