@@ -45,6 +45,7 @@ inline constexpr std::array<double, 5> kCurvaturePercentiles{1, 5, 50, 95, 99};
 struct CurvatureSpread {
   double min = 0, max = 0, mean = 0;
   std::array<double, kCurvaturePercentiles.size()> percentiles{};
+  double p50() const { return percentiles[2]; }
 };
 
 // A radius of curvature, and the point that has it.
