@@ -10,6 +10,7 @@ namespace {
 constexpr double kHeld = 0.05;         // cells from a crossing at which a node is held
 constexpr double kFifthAgrees = 0.1;  // cells that the roots of fifth and third degree differ by at most where phi0 is smooth
 constexpr double kThirdAgrees = 0.2;   // the same of third and first degree
+constexpr double kNearest = 1e-6;      // cells that a crossing is away from a node, at least
 constexpr int kRootSteps = 30;
 
 // Newton's polynomial through nodes 0, 1, -1, 2, -2, 3, in this order.
@@ -64,8 +65,8 @@ std::array<double, 6> crossings_of_node(const double* node) {
   std::array<double, 6> found{};
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const int stride = HaloBlock::kStride[axis];
-    if (on_other_side(node[0], node[-stride])) found[2 * axis] = 1 - crossing_of_edge(node - stride, stride);
-    if (on_other_side(node[0], node[stride])) found[2 * axis + 1] = crossing_of_edge(node, stride);
+    if (on_other_side(node[0], node[-stride])) found[2 * axis] = std::max(1 - crossing_of_edge(node - stride, stride), kNearest);
+    if (on_other_side(node[0], node[stride])) found[2 * axis + 1] = std::max(crossing_of_edge(node, stride), kNearest);
   }
   return found;
 }
@@ -114,10 +115,8 @@ void find_crossings(const HaloBlock& phi0, BlockCrossings& crossings) {
     if (node[0] == 0 || has(crossings.still, n)) continue;
     const std::array<double, 6> found = crossings_of_node(node);
     double nearest = 2;
-    for (std::size_t side = 0; side < 6; ++side) {
-      const int stride = HaloBlock::kStride[side / 2] * (side % 2 == 0 ? -1 : 1);
-      if (on_other_side(node[0], node[stride])) nearest = std::min(nearest, found[side]);
-    }
+    for (const double t : found)
+      if (t > 0) nearest = std::min(nearest, t);
     if (nearest > 1) continue;
     crossings.any = true;
     add(crossings.still, n);

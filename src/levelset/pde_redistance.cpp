@@ -15,7 +15,7 @@ namespace burnish::detail {
 namespace {
 
 constexpr double kWenoCourant = 0.6, kFirstCourant = 0.5;  // [T-PDE-7]
-constexpr int kMargin = 3;       // cells beyond the reach that are computed, so that no kink is seen within it
+constexpr int kMargin = 5;       // cells beyond the reach that are computed, so that no kink is seen within it
 constexpr double kPatience = 2;  // steps allowed, in parts of those that information needs
 constexpr int kSettling = 60;    // steps allowed besides
 constexpr double kRough = 1e-2;  // the residual at which distances of first order are good enough for WENO5 to start from
@@ -191,6 +191,7 @@ class PdeRedistancer {
       result.residual = first_order_ ? euler_step() : runge_kutta_step();
       result.steady = result.residual < steady;
       ++result.steps;
+      progress_.update(static_cast<double>(step + 1) / most);
     }
   }
 

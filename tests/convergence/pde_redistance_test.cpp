@@ -1,6 +1,7 @@
 // Redistancing by the PDE: orders of convergence, what the surface moves by, and what must hold on any field.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <random>
@@ -16,9 +17,11 @@ namespace {
 using namespace test;
 
 constexpr double kReach = 3;  // cells
+constexpr double kRoom = 4;   // cells of stored values beyond it
 
 struct Start {
   bool frozen = false;  // exact, accepted values within two cells
+  bool loose = false;   // nothing holds the surface: no node is accepted
   bool jump = false;    // the coarser half of the shape has cells of two
 };
 
@@ -64,7 +67,8 @@ double movement(const BasicLevelSet<double>& set, const PlacedShape& placed) {
   std::vector<double> dense(side * side * side);
   double worst = 0;
   for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
-    if (!set.phi.stores(leaf)) continue;
+    const double* block = set.phi.block(leaf);
+    if (!set.phi.stores(leaf) || std::all_of(block, block + kBlockNodes, [&](double v) { return std::abs(v) > 2 << set.octree().level(leaf); })) continue;
     gather_smooth(set.octree(), set.phi, leaf, 3, HaloOrder::cubic, dense.data());
     const double cell = 1 << set.octree().level(leaf);
     for (int n = 0; n < 3 * static_cast<int>(kBlockNodes); ++n) {
@@ -82,7 +86,7 @@ double movement(const BasicLevelSet<double>& set, const PlacedShape& placed) {
 // phi0 = (0.1 + |x - x0|^2) distance, x0 on the surface, lengths in parts of the shape's size.
 void run_once(RedistanceMethod method, const Start& start, const PlacedShape& placed, double steady, Outcome& worst) {
   BasicLevelSet<double> set =
-      level_set_of_shape<double>(placed, kReach + 1, start.jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
+      level_set_of_shape<double>(placed, kReach + (start.frozen ? kRoom : 1), start.jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
   const Vec3 x0 = placed.closest(placed.center + Vec3{2.0, 0.5, 0.1} * placed.size).foot;
   Field<std::uint8_t> accepted = Field<std::uint8_t>::like(set.phi, 0, 0);
   for_each_stored_node(set, [&](std::size_t leaf, std::size_t n, const Vec3& x) {
@@ -96,7 +100,7 @@ void run_once(RedistanceMethod method, const Start& start, const PlacedShape& pl
   options.method = method;
   options.reach = kReach;
   options.steady = steady;
-  if (start.frozen) options.accepted = &accepted;
+  if (start.frozen || start.loose) options.accepted = &accepted;
   const RedistanceResult result = redistance(set, options);
   worst.steps = std::max(worst.steps, result.steps);
   worst.residual = std::max(worst.residual, result.residual);
@@ -133,38 +137,36 @@ constexpr auto kWeno = RedistanceMethod::pde_weno5, kFirst = RedistanceMethod::p
 
 TEST(PdeRedistance, BadlyScaledStartsKeepTheSurface) {
   const auto sphere = unit_sphere(), torus = unit_torus();
-  for (const auto& [shape, cells, offsets] : {std::tuple{sphere.get(), 32, 4}, {sphere.get(), 64, 3}, {sphere.get(), 128, 1}, {sphere.get(), 256, 1},
-                                              {torus.get(), 32, 3}, {torus.get(), 64, 2}, {torus.get(), 128, 1}}) {
-    const Outcome found = redistanced(kWeno, *shape, cells, offsets);
+  for (const auto& [shape, cells, offsets] : {std::tuple{sphere.get(), 32, 3}, {sphere.get(), 64, 2}, {sphere.get(), 128, 1}, {sphere.get(), 256, 1},
+                                              {torus.get(), 32, 2}, {torus.get(), 64, 1}, {torus.get(), 128, 1}}) {
+    const Outcome found = redistanced(kWeno, *shape, cells, offsets, {}, cells > 100 ? 1e-3 : 1e-6);
     EXPECT_LE(found.movement, 1e-2) << shape->name() << ' ' << cells;
-    EXPECT_LE(found.error * cells, cells == 32 ? 5e-1 : 2e-2) << shape->name() << ' ' << cells;
+    // The torus of 32 cells has its medial axis one cell beyond the band.
+    EXPECT_LE(found.error * cells, shape == torus.get() && cells == 32 ? 0.25 : 2e-2) << shape->name() << ' ' << cells;
   }
 }
 
-TEST(PdeRedistance, BadlyScaledStartsConvergeBesideTheSurface) {
+// Why crossings are stencil points: without them the shift of the surface is a mode that nothing damps. [T-PDE-3]
+TEST(PdeRedistance, NothingElseHoldsTheSurface) {
   const auto sphere = unit_sphere();
-  const Outcome coarse = redistanced(kWeno, *sphere, 32, 3, {}, 1e-8), fine = redistanced(kWeno, *sphere, 64, 3, {}, 1e-8);
-  EXPECT_GE(order(coarse.error, fine.error), 2.5) << coarse.error << " -> " << fine.error;
+  for (const int cells : {32, 64}) EXPECT_GE(redistanced(kWeno, *sphere, cells, 1, {.loose = true}, 1e-3).movement, 0.1);
 }
 
 TEST(PdeRedistance, Weno5ConvergesFromAcceptedValues) {
   const auto sphere = unit_sphere(), torus = unit_torus();
-  for (const auto& [shape, first] : {std::pair{sphere.get(), 32}, {torus.get(), 64}}) {
-    const Start frozen{.frozen = true};
-    const Outcome coarse = redistanced(kWeno, *shape, first, 2, frozen, 1e-10), fine = redistanced(kWeno, *shape, 2 * first, 2, frozen, 1e-10);
-    RecordProperty(shape->name() + "_order", std::to_string(order(coarse.error, fine.error)));
+  const Start frozen{.frozen = true};
+  for (const auto& [shape, first, offsets] : {std::tuple{sphere.get(), 32, 3}, {sphere.get(), 64, 1}, {torus.get(), 64, 1}}) {
+    const Outcome coarse = redistanced(kWeno, *shape, first, offsets, frozen, 1e-8), fine = redistanced(kWeno, *shape, 2 * first, offsets, frozen, 1e-8);
+    RecordProperty(shape->name() + "_order_" + std::to_string(first), std::to_string(order(coarse.error, fine.error)));
     EXPECT_GE(order(coarse.error, fine.error), 2.9) << shape->name() << ": " << coarse.error << " -> " << fine.error;
   }
-  const Start frozen{.frozen = true};
-  const Outcome coarse = redistanced(kWeno, *sphere, 64, 1, frozen, 1e-10), fine = redistanced(kWeno, *sphere, 128, 1, frozen, 1e-10);
-  EXPECT_GE(order(coarse.error, fine.error), 2.9) << coarse.error << " -> " << fine.error;
 }
 
 TEST(PdeRedistance, Weno5ConvergesAcrossALevelJumpThroughTheSurface) {
   const auto sphere = unit_sphere(), torus = unit_torus();
   for (const auto& [shape, first] : {std::pair{sphere.get(), 64}, {torus.get(), 64}}) {
     const Start start{.frozen = true, .jump = true};
-    const Outcome coarse = redistanced(kWeno, *shape, first, 1, start, 1e-8), fine = redistanced(kWeno, *shape, 2 * first, 1, start, 1e-8);
+    const Outcome coarse = redistanced(kWeno, *shape, first, 1, start, 1e-6), fine = redistanced(kWeno, *shape, 2 * first, 1, start, 1e-6);
     RecordProperty(shape->name() + "_order", std::to_string(order(coarse.error, fine.error)));
     EXPECT_GE(order(coarse.error, fine.error), 2) << shape->name() << ": " << coarse.error << " -> " << fine.error;
   }
@@ -181,7 +183,7 @@ TEST(PdeRedistance, FirstOrderConverges) {
 
 // All leaves store values, the far ones coarse, and all that is known is a band.
 Ball<double> ball_in_a_whole_domain() {
-  return analytic_ball<double>(20, {0.31, 0.77, 0.13}, 3);
+  return analytic_ball<double>(14, {0.31, 0.77, 0.13}, 3);
 }
 
 TEST(PdeRedistance, WholeDomainsWithACoarseFarFieldBecomeSteady) {
@@ -197,8 +199,8 @@ TEST(PdeRedistance, WholeDomainsWithACoarseFarFieldBecomeSteady) {
     EXPECT_TRUE(result.steady) << result.residual;
     double worst = 0;
     for_each_stored_node(set, [&](std::size_t leaf, std::size_t n, const Vec3& x) {
-      const double distance = 20 - norm(x - center), cell = 1 << set.octree().level(leaf);
-      if (distance < 10) worst = std::max(worst, std::abs(set.phi.block(leaf)[n] - distance) / cell);
+      const double distance = 14 - norm(x - center), cell = 1 << set.octree().level(leaf);
+      if (distance < 7) worst = std::max(worst, std::abs(set.phi.block(leaf)[n] - distance) / cell);
     });
     RecordProperty(std::string(name(method)) + "_worst_cells", std::to_string(worst));
     EXPECT_LE(worst, method == kFirst ? 1.0 : 0.1);
@@ -240,6 +242,7 @@ LargeArray<T> run_with(int threads, RedistanceMethod method) {
   RedistanceOptions options;
   options.method = method;
   options.reach = 4;
+  options.steady = 1e-2;
   redistance(set, options);
   return set.phi.values();
 }
@@ -258,14 +261,16 @@ TEST(PdeRedistance, SameBitsForAnyNumberOfThreads) {
 
 // Whatever the field: numbers, their signs, their zeros.
 template <class T, class Value>
-void check_robust(RedistanceMethod method, int most_steps, Value&& value) {
-  auto [set, center] = analytic_ball<T>(10, {0.2, 0.4, 0.6}, 3);
+void check_robust(RedistanceMethod method, int most_steps, Value&& value, const char* what) {
+  SCOPED_TRACE(std::string(name(method)) + ", " + what);
+  auto [set, center] = analytic_ball<T>(6, {0.2, 0.4, 0.6}, 3);
   for (T& phi : set.phi.values()) phi = static_cast<T>(value(static_cast<double>(phi)));
   const Field<T> before = set.phi;
   RedistanceOptions options;
   options.method = method;
   options.reach = 5;
   options.most_steps = most_steps;
+  options.steady = 0.05;
   redistance(set, options);
   int wrong = 0;
   for (std::size_t i = 0; i < before.values().size(); ++i) {
@@ -278,19 +283,19 @@ void check_robust(RedistanceMethod method, int most_steps, Value&& value) {
 TEST(PdeRedistance, AnyFieldKeepsItsSignsAndStaysFinite) {
   std::mt19937 random(11);
   std::uniform_real_distribution<double> any(-1, 1);
-  for (const RedistanceMethod method : {kFirst, kWeno})
-    for (const int steps : {0, 7}) {
-      SCOPED_TRACE(std::string(name(method)) + ", most steps " + std::to_string(steps));
-      const auto noise = [&](double) { return 3 * any(random); };
-      const auto huge = [&](double) { return 1e12 * any(random); };
-      const auto tiny = [&](double) { return 1e-12 * any(random); };
-      const auto holes = [&](double phi) { return any(random) < -0.8 ? 0.0 : phi; };
-      const auto steps_of_sign = [&](double phi) { return phi > 0 ? 1e9 : -1e-9; };
-      check_robust<double>(method, steps, noise), check_robust<float>(method, steps, noise);
-      check_robust<double>(method, steps, huge), check_robust<float>(method, steps, huge);
-      check_robust<double>(method, steps, tiny), check_robust<float>(method, steps, tiny);
-      check_robust<double>(method, steps, holes), check_robust<float>(method, steps, steps_of_sign);
-    }
+  const auto noise = [&](double) { return 3 * any(random); };
+  const auto huge = [&](double) { return 1e12 * any(random); };
+  const auto tiny = [&](double) { return 1e-12 * any(random); };
+  const auto holes = [&](double phi) { return any(random) < -0.8 ? 0.0 : phi; };
+  const auto lopsided = [&](double phi) { return phi > 0 ? 1e9 : -1e-9; };
+  for (const RedistanceMethod method : {kFirst, kWeno}) {
+    check_robust<double>(method, 0, noise, "noise");
+    check_robust<float>(method, 9, noise, "noise, float");
+    check_robust<float>(method, 9, huge, "huge, float");
+    check_robust<double>(method, 9, tiny, "tiny");
+    check_robust<double>(method, 9, holes, "holes");
+    check_robust<float>(method, 9, lopsided, "lopsided, float");
+  }
 }
 
 }  // namespace
