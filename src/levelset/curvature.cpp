@@ -110,7 +110,8 @@ class FrontCurvatures {
     const Vec3 x = to_array(tree_, leaf, kJetWidth, points_[i]);
     Vec3 y = to_array(tree_, leaf, kJetWidth, found.foot);
     leaf_of_[i] = Octree::kNone;
-    if (!find_foot(block, x, y)) return;
+    // In a finer leaf than the point's the same way has twice as many cells.
+    if (!find_foot(block, x, may_move ? kReach : 2 * kReach, y)) return;
     if (may_move && !serves(leaf, y)) {
       found.foot = to_lattice(tree_, leaf, kJetWidth, y);
       leaf_of_[i] = storing_leaf(tree_, set_.phi, found.foot, leaf);
@@ -126,7 +127,7 @@ class FrontCurvatures {
   }
 
   // [T-REDIST-1] Closest point to x on the tricubic interpolant's zero surface, from y on.
-  bool find_foot(const JetBlock& block, const Vec3& x, Vec3& y) const {
+  bool find_foot(const JetBlock& block, const Vec3& x, double reach, Vec3& y) const {
     const double enough = order_ == 2 ? kFoot : kRough;
     double length = 0;
     for (int step = 0; step < kRoughSteps; ++step) {
@@ -140,7 +141,7 @@ class FrontCurvatures {
       length = norm(move);
       if (length > 1) move *= 1 / length;
       y += move;
-      if (!(squared_norm(y - x) <= 2 * kReach * kReach)) return false;
+      if (!(squared_norm(y - x) <= reach * reach)) return false;
       if (length < enough) return true;
     }
     return length < kUnsettled;

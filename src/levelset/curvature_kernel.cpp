@@ -192,7 +192,7 @@ void principal_curvatures(const JetBatch& jets, std::size_t count, CurvatureBatc
     const Components n = g * -inverse;
     // A tangent frame that depends on the normal alone: u is orthogonal to the axis that the normal is farthest from.
     const double ax = std::abs(n.x), ay = std::abs(n.y), az = std::abs(n.z);
-    const double ex = (ax <= ay) & (ax <= az) ? 1 : 0, ey = ay <= az ? 1 - ex : 0, ez = 1 - ex - ey;
+    const double ex = ((ax <= ay) & (ax <= az)) ? 1 : 0, ey = ay <= az ? 1 - ex : 0, ez = 1 - ex - ey;
     const Components u = unit(outer({ex, ey, ez}, n)), v = outer(n, u);
     const auto times = [&](const Components& a) __attribute__((always_inline)) {
       return Components{jets.xx[i] * a.x + jets.xy[i] * a.y + jets.xz[i] * a.z, jets.xy[i] * a.x + jets.yy[i] * a.y + jets.yz[i] * a.z,
