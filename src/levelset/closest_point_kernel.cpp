@@ -18,12 +18,13 @@
 namespace burnish::detail {
 namespace {
 
-constexpr int kNewtonSteps = 8;
+constexpr int kNewtonSteps = 10;
 constexpr double kFlattest = 1e-16;     // squared gradient below which there is no direction
-constexpr double kLeastCurvature = 0.05;  // of the squared distance along the surface: below it the step along the surface is the projection's
+constexpr double kLeastCurvature = 0.05;  // of half the squared distance along the surface, which has 1 on a plane: below it, as on a plane
 constexpr double kSlack = 0.1;          // cells by which an edge's linear crossing may be nearer than Newton's point
 constexpr double kRefineSlack = 0.02;   // cells by which a refined point may be farther than the one it started from
 constexpr double kRefineMove = 2;       // cells that a refined point may move
+constexpr double kDistantMove = 8;      // the same for nodes of coarser leaves
 constexpr int kRowsOfBlock = kBlockSide * kBlockSide;
 
 // Steps shorter than this leave an error of its square: below the rounding of T. [T-REDIST-1]
@@ -62,25 +63,26 @@ struct Cell {
 
 // How far to move from y towards the closest point of x on the surface. [T-REDIST-1]
 BURNISH_INLINE Vec3 newton_step(const SecondOrder& f, double g2, const Vec3& r) {
-  const double inverse = 1 / std::sqrt(g2);
-  const Vec3 n = f.gradient * inverse;
-  const double off = f.value * inverse, lambda = dot(r, n) * inverse;
-  // Tangents: Duff et al. 2017, "Building an orthonormal basis, revisited".
-  const double sign = std::copysign(1.0, n.z), a = -1 / (sign + n.z), b = n.x * n.y * a;
-  const Vec3 t1{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, t2{b, sign + n.y * n.y * a, -n.y};
+  const Vec3& g = f.gradient;
+  const double inverse = 1 / g2, off = f.value * inverse, lambda = dot(r, g) * inverse;
+  // Tangents at right angles, neither of unit length: that costs no root.
+  const bool along_x = std::abs(g.x) > std::abs(g.z);
+  const Vec3 t1{along_x ? -g.y : 0, along_x ? g.x : -g.z, along_x ? 0 : g.y}, t2 = cross(g, t1);
+  const double l1 = squared_norm(t1), l2 = g2 * l1;
   const Vec3 h1 = f.hessian(t1), h2 = f.hessian(t2);
-  double m11 = 1 + lambda * dot(t1, h1), m22 = 1 + lambda * dot(t2, h2), m12 = lambda * dot(t1, h2);
-  double r1 = dot(r, t1), r2 = dot(r, t2);
-  double det = m11 * m22 - m12 * m12;
-  if (m11 > kLeastCurvature && m22 > kLeastCurvature && det > kLeastCurvature) {
-    r1 += off * lambda * dot(h1, n);
-    r2 += off * lambda * dot(h2, n);
+  double m11 = l1 + lambda * dot(t1, h1), m22 = l2 + lambda * dot(t2, h2), m12 = lambda * dot(t1, h2);
+  double r1 = dot(r, t1), r2 = dot(r, t2), det = m11 * m22 - m12 * m12;
+  if (m11 > kLeastCurvature * l1 && m22 > kLeastCurvature * l2 && det > kLeastCurvature * l1 * l2) {
+    r1 += off * lambda * dot(h1, g);
+    r2 += off * lambda * dot(h2, g);
   } else {
-    m11 = m22 = det = 1;
+    m11 = l1;
+    m22 = l2;
     m12 = 0;
+    det = l1 * l2;
   }
-  const double along1 = (m22 * r1 - m12 * r2) / det, along2 = (m11 * r2 - m12 * r1) / det;
-  return t1 * along1 + t2 * along2 - n * off;
+  const double solve = 1 / det, along1 = (m22 * r1 - m12 * r2) * solve, along2 = (m11 * r2 - m12 * r1) * solve;
+  return t1 * along1 + t2 * along2 - g * off;
 }
 
 // The closest point of node x, from y on; `sign` is that of phi at x.
@@ -179,15 +181,15 @@ BURNISH_INLINE int octant_of(double at) { return at < 0 ? -1 : at >= kBlockSide 
 
 // Never much farther than the point it starts from, nor far from that.
 template <class T>
-BURNISH_INLINE Foot refined(const Surroundings<T>& around, const Vec3& x, const Vec3& offset, double sign) {
+BURNISH_INLINE Foot refined(const Surroundings<T>& around, const Vec3& x, const Vec3& offset, double sign, double most) {
   Foot foot = closest_from(around, x, x + offset, sign, norm(offset) + kRefineSlack);
-  foot.found = foot.found && squared_norm(foot.offset - offset) <= kRefineMove * kRefineMove;
+  foot.found = foot.found && squared_norm(foot.offset - offset) <= most * most;
   return foot;
 }
 
 template <class T>
 BURNISH_INLINE void refine_distant(const Surroundings<T>& around, DistantNode& node) {
-  const Foot foot = refined(around, node.at, node.offset, node.sign);
+  const Foot foot = refined(around, node.at, node.offset, node.sign, kDistantMove);
   node.refined = foot.found;
   if (foot.found) node.offset = foot.offset;
 }
@@ -204,7 +206,7 @@ BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, st
       const Vec3 x{double(i), double(j), double(k)}, d{points.x[n], points.y[n], points.z[n]}, y = x + d;
       if (((octants >> direction(octant_of(y.x), octant_of(y.y), octant_of(y.z))) & 1) == 0) continue;
       const double sign = around.phi[place_of(around, i, j, k)] >= 0 ? 1 : -1;
-      const Foot foot = refined(around, x, d, sign);
+      const Foot foot = refined(around, x, d, sign, kRefineMove);
       if (!foot.found) continue;
       put(points, n, foot.offset, true);
       set_bit(exact, i, j, k);

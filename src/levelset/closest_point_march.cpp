@@ -14,6 +14,7 @@ namespace burnish::detail {
 namespace {
 
 constexpr std::size_t kGrain = 4;
+constexpr std::size_t kDistantGrain = 128;  // leaves whose nodes share what is gathered around their feet
 constexpr double kRebroadcast = 2;  // cells: refined nodes within this of the edge of what was refined start the next march
 constexpr double kUnsettled = 1;    // cells behind the front within which nodes may still take another point: coarser leaves lag by that
 constexpr int kFirstPass = 2;       // a radius of one cell: seeds are there already
@@ -48,6 +49,7 @@ class ClosestPointMarch {
       refine_all(refined);
     }
     march(options_.reach);
+    refine_distant_nodes();
     store();
   }
 
@@ -223,40 +225,53 @@ class ClosestPointMarch {
     return octants;
   }
 
-  bool has_finer(std::uint32_t leaf) const {
-    for (int dir = 0; dir < kDirections; ++dir)
-      if (tree_.neighbor_kind(leaf, dir) == NeighborKind::finer) return true;
-    return false;
-  }
-
   // A node and the leaf that holds its closest point.
   struct DistantFoot {
-    std::uint32_t leaf, node;
-    bool operator<(const DistantFoot& b) const { return leaf != b.leaf ? leaf < b.leaf : node < b.node; }
+    std::uint32_t holder, slot, node;
+    bool operator<(const DistantFoot& b) const {
+      return holder != b.holder ? holder < b.holder : slot != b.slot ? slot < b.slot : node < b.node;
+    }
   };
 
-  // Refines nodes whose closest points lie in finer leaves, on the lattice there.
-  void refine_in_finer(std::size_t slot, T limit) {
-    const std::uint32_t leaf = leaves_[slot];
+  // Of the leaves from one to another, holder by holder.
+  std::vector<DistantFoot> distant_feet(std::size_t begin, std::size_t end) const {
+    const bool everywhere = options_.method == RedistanceMethod::fmm || options_.reach > kRefineReach;
+    const T limit = static_cast<T>((options_.reach + 0.25) * (options_.reach + 0.25));
     std::vector<DistantFoot> feet;
-    for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
-      if (!wants_refinement(slot, n, limit)) continue;
-      const std::uint32_t holder = leaf_at(foot_of(slot, n), leaf);
-      if (slot_[holder] != kNone && tree_.level(holder) < tree_.level(leaf)) feet.push_back({holder, n});
-    }
+    for (std::size_t slot = begin; slot < end; ++slot)
+      for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
+        if (!wants_refinement(slot, n, limit)) continue;
+        const std::uint32_t holder = leaf_at(foot_of(slot, n), leaves_[slot]);
+        if (slot_[holder] != kNone && (everywhere || tree_.level(holder) != tree_.level(leaves_[slot])))
+          feet.push_back({holder, static_cast<std::uint32_t>(slot), n});
+      }
     std::sort(feet.begin(), feet.end());
-    std::array<T, kSeedNodes> phi;
-    for (std::size_t f = 0; f < feet.size(); ++f) {
-      const std::uint32_t holder = feet[f].leaf;
-      if (f == 0 || feet[f - 1].leaf != holder) gather_smooth(tree_, set_.phi, holder, kSeedHalo, HaloOrder::cubic, phi.data());
-      const std::uint32_t n = feet[f].node;
-      const double cell = 1 << tree_.level(holder), ratio = (1 << tree_.level(leaf)) / cell;
-      DistantNode node{(position(leaf, n) - position(holder, 0)) / cell, offset(slot, n) * ratio, set_.phi.block(leaf)[n] >= 0 ? 1. : -1.};
-      refine(Surroundings<T>{phi.data(), kSeedHalo}, node);
-      if (!node.refined) continue;
-      put(points_[slot], n, node.offset / ratio, true);
-      exact_[slot][n / kBlockSide] |= static_cast<std::uint8_t>(1u << (n % kBlockSide));
-    }
+    return feet;
+  }
+
+  // Refines nodes on the lattice that holds their closest points: all that `refine_all` left. Points carried from node to node are as far
+  // apart as those nodes, and coarse ones are far apart. [T-REDIST-4]
+  void refine_distant_nodes() {
+    parallel_ranges(leaves_.size(), kDistantGrain, [&](std::size_t begin, std::size_t end) {
+      progress_.check();
+      constexpr std::size_t side = kBlockSide + 2 * kWidestHalo;
+      LargeArray<T> phi(side * side * side);
+      std::uint32_t gathered = kNone;
+      for (const DistantFoot& foot : distant_feet(begin, end)) {
+        if (foot.holder != gathered) gather_smooth(tree_, set_.phi, foot.holder, kWidestHalo, HaloOrder::cubic, phi.data());
+        gathered = foot.holder;
+        refine_distant(Surroundings<T>{phi.data(), kWidestHalo}, foot);
+      }
+    });
+  }
+
+  void refine_distant(const Surroundings<T>& around, const DistantFoot& foot) {
+    const auto [holder, slot, n] = foot;
+    const std::uint32_t leaf = leaves_[slot];
+    const double cell = 1 << tree_.level(holder), ratio = (1 << tree_.level(leaf)) / cell;
+    DistantNode node{(position(leaf, n) - position(holder, 0)) / cell, offset(slot, n) * ratio, set_.phi.block(leaf)[n] >= 0 ? 1. : -1.};
+    refine(around, node);
+    if (node.refined) put(points_[slot], n, node.offset / ratio, true);
   }
 
   Vec3 position(std::uint32_t leaf, std::uint32_t n) const {
@@ -295,7 +310,6 @@ class ClosestPointMarch {
         if (!wants_refinement(slot, limit)) continue;
         gather_smooth(tree_, set_.phi, leaves_[slot], width, HaloOrder::cubic, phi.data());
         refine(Surroundings<T>{phi.data(), width}, reach, octants_to_refine_in(leaves_[slot]), points_[slot], exact_[slot]);
-        if (has_finer(leaves_[slot])) refine_in_finer(slot, limit);
         if (options_.reach > reach) open(slot, outermost(slot, reach));
       }
     });
@@ -320,9 +334,9 @@ class ClosestPointMarch {
           const ClosestPoints<T>& p = points_[slot];
           for (std::size_t n = 0; n < kBlockNodes; ++n) {
             if (accepted != nullptr && accepted[n] != 0) continue;
-            const double x = p.x[n], y = p.y[n], z = p.z[n];
-            const double known = p.bound[n] < kInfinite ? cell * std::sqrt(x * x + y * y + z * z) : std::abs(static_cast<double>(phi[n]));
-            phi[n] = with_sign_of(phi[n], std::min(known, options_.reach * cell));
+            double d = std::isinf(options_.reach) ? std::abs(static_cast<double>(phi[n])) : options_.reach * cell;
+            if (p.bound[n] < kInfinite) d = std::min(options_.reach * cell, cell * norm(offset(slot, static_cast<std::uint32_t>(n))));
+            phi[n] = with_sign_of(phi[n], d);
           }
         },
         64);

@@ -12,7 +12,7 @@ namespace burnish {
 
 enum class RedistanceMethod : std::uint8_t {
   closest,    // Newton's method for the closest point of a tricubic interpolant; the default
-  fmm,        // closest points beside the surface, marched outwards from there
+  fmm,        // closest points beside the surface, marched outwards from there and refined at the end
   pde_weno5,  // phi_t = S (1 - |grad phi|), HJ-WENO5 with TVD-RK3
   pde_first,  // the same of first order (the thesis' 2.7 and 2.8)
 };
@@ -22,7 +22,7 @@ std::string_view name(RedistanceMethod method);  // "closest", "fmm", "pde-weno5
 struct RedistanceOptions {
   RedistanceMethod method = RedistanceMethod::closest;
   // Afterwards |phi| ends at this many cells of each leaf's own level. Infinite: nowhere.
-  double reach = std::numeric_limits<double>::infinity();
+  double reach = std::numeric_limits<double>::infinity();  // nodes that no surface reaches keep |phi| then
   // Nodes with a value other than 0 keep phi as it is, bit for bit: the thesis' ACCEPTED values, Dirichlet data. In phi's layout. Without
   // it the surface is that of phi's interpolant. The PDE wants all corners of cells that the surface cuts among them: with a field of zeros nothing
   // holds the surface in place (moves by half a cell are normal, [T-PDE-3]), as in the thesis' excessive reinitialisation.
@@ -41,6 +41,9 @@ struct RedistanceResult {
 };
 
 // Replaces phi by the signed distance to the surface phi = 0 in all leaves that store values, of any level. Signs stay.
+// By closest points (closest, fmm) the error is O(h^4) where the distance is smooth, across level jumps too, phi's scale may vary, and the
+// surface moves by what tricubic interpolation of the given phi is off. At kinks and in noise results are finite and errors below
+// a cell. The two differ in how nodes within six cells are refined: `closest` does so on the lattice of the node's own leaf. [T-REDIST-1 to 4]
 // The PDE, from phi0 = (0.1 + |x - x0|^2) distance on a sphere of R cells: the surface moves by 3e-3 / R cells (first order: 0.1 / R), phi is off by 8e-5 R
 // at R = 8 and by 1e-5 R at R = 16; from exact accepted values by 2e-5 R and 3e-7 R. 13 ns per node and stage, three stages a step (first order:
 // 5 ns, one stage); float fields are computed in double.
