@@ -58,6 +58,7 @@ class CleanCommand : public Command {
     if (job_.options.deviation && !(job_.options.smooth.value > 0)) {
       console.warn("--deviation", {"has no effect without --smooth"});
     }
+    if (redistance_given_ && !(job_.options.smooth.value > 0)) console.warn("--redistance", {"has no effect without --smooth"});
     const RepairReport report = clean(job_, console);
     console.end_stage();
     if (report_file) {
@@ -120,6 +121,9 @@ class CleanCommand : public Command {
          [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
         {"--deviation", 0, "T", "Smoothing", "Keep the smoothed surface within T of the repaired one.",
          [&o](const GivenValue& v) { o.deviation = positive_length(v); }},
+        {"--redistance", 0, "M", "Smoothing",
+         "What keeps distances while it smooths: 'closest' points (default), 'fmm', or the thesis' 'pde-weno5' and 'pde-first'.",
+         [&o, this](const GivenValue& v) { o.redistance = redistance_method(v), redistance_given_ = true; }},
         {"--salvage", 0, "", "Broken files", "Take what a truncated or malformed file holds.",
          switch_on(job_.salvage)},
         {"--allow-invalid", 0, "", "Broken files",
@@ -195,6 +199,7 @@ class CleanCommand : public Command {
   bool json_ = false;
   bool quiet_ = false;
   bool verbose_ = false;
+  bool redistance_given_ = false;
 };
 
 }  // namespace

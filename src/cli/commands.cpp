@@ -16,6 +16,7 @@ const std::vector<CommandEntry>& commands() {
       {"check", "look at a file without changing it", make_check_command},
       {"compare", "say how far two surfaces are from each other", make_compare_command},
       {"field", "build the level set on its octree: report, check and export it", make_field_command},
+      {"curvature", "take the curvatures of the surface: report and export them", make_curvature_command},
       {"example", "make a dirty model to try things on", make_example_command},
   };
   return table;

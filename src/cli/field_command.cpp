@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <utility>
 
 #include "burnish/core/error.h"
@@ -119,8 +120,14 @@ class FieldCommand : public Command {
          }},
         {"--resolution", 0, "N", "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
          [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
-        {"--band", 0, "CELLS", "Resolution", "Exact distances up to this many cells on both sides (2 to 64; default 3).",
-         of_level_set([this](const GivenValue& v) { job_.band = band(v); })},
+        {"--band", 0, "CELLS", "Resolution", "Exact distances up to this many cells on both sides (2 to 64; default 3, with --redistance 3.5 or more).",
+         of_level_set([this](const GivenValue& v) { job_.band = band(v), band_given_ = true; })},
+        {"--redistance", 0, "M", "Distances",
+         "Distances beyond the exact ones by 'closest' points, 'fmm', 'pde-weno5' or 'pde-first' (the thesis' way), instead of by the facets.",
+         of_level_set([this](const GivenValue& v) { job_.redistance = redistance_method(v); })},
+        {"--accepted", 0, "W", "Distances",
+         "With --redistance, what stays exact: 'cells' (default) that facets cut, and their neighbours, or the whole 'band'.",
+         of_level_set([this](const GivenValue& v) { job_.exact = one_of<ExactNodes>(v, {"cells", "band"}), accepted_given_ = true; })},
         {"--verify-exact", 0, "N", "Checking", "Compare N nodes with exact distances; exit code 1 if one is off by more than is allowed.",
          of_level_set([this](const GivenValue& v) { job_.verify = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); })},
         {"--cell-octree", 0, "", "Refinement", "Grow an octree whose leaves are cells, not blocks of cells, and no level set.", switch_on(cell_octree_)},
@@ -171,6 +178,10 @@ class FieldCommand : public Command {
   // Before anything is read; an output that looks at the model must not take its place.
   void require_consistent() {
     const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    if (accepted_given_ && !job_.redistance) refuse("--accepted says what redistancing starts from, and there is none", "add --redistance M");
+    if (!band_given_) job_.band = std::max(job_.band, least_band(job_));
+    if (job_.band < least_band(job_))
+      refuse(fmt::format("--band {:g}: ACCEPTED cells need {:g} cells for exact distances", job_.band, least_band(job_)), "leave --band out, or add --accepted band");
     if (job_.options.cell && job_.options.resolution) refuse("--cell and --resolution exclude each other", "give one of the two");
     if (cell_octree_ && !of_level_set_.empty())
       refuse(fmt::format("{} is a matter of the level set, and --cell-octree builds none", of_level_set_), "leave one of the two out");
@@ -194,6 +205,8 @@ class FieldCommand : public Command {
   int threads_ = 0;
   bool cell_octree_ = false;
   bool octree_given_ = false;
+  bool band_given_ = false;
+  bool accepted_given_ = false;
   bool blocks_ = false;
   bool json_ = false;
   bool quiet_ = false;

@@ -24,6 +24,15 @@ std::string check_lines(const DistanceCheck& check, double cell) {
          line("error of phi", errors(check.stored));
 }
 
+std::string redistancing_lines(const FieldRedistancing& r) {
+  std::string text = line("accepted", r.exact == ExactNodes::cells ? fmt::format("{} cells, {} of them cut; {} nodes", r.cells_accepted, r.cells_cut, r.exact_nodes)
+                                                                  : fmt::format("{} nodes, all within the band", r.exact_nodes));
+  std::string how(name(r.method));
+  if (r.result.steps > 0)
+    how += fmt::format(", {} steps, the last one's rms change {:.2g} of it{}", r.result.steps, r.result.residual, r.result.steady ? "" : ": not steady");
+  return text + line("redistanced", how);
+}
+
 std::string volume_line(const FieldVolume& v) {
   const std::string shift = v.prepared != 0 ? fmt::format(" ({:+.2g} %)", 100 * (v.level_set / v.prepared - 1)) : "";
   return line("volume", fmt::format("{:.6g} of {:.6g}{}", v.level_set, v.prepared, shift));
@@ -67,6 +76,7 @@ std::string summary_of(const FieldResult& r, double seconds) {
   text += line("memory", fmt::format("{:.1f} MB", static_cast<double>(r.grid.bytes) / 1e6));
   text += line("regions", fmt::format("{}, {} of them ambiguous", r.regions, r.ambiguous_regions));
   text += line("facets", fmt::format("{}, {} of them inside, {} unresolved", r.facets, r.interior_facets, r.unresolved_facets));
+  if (r.redistancing) text += redistancing_lines(*r.redistancing);
   text += volume_line(r.volume);
   if (r.verification) text += check_lines(*r.verification, r.options.cell);
   return text + fmt::format("\n{} ({:.1f} s)\n", r.output.written ? file_lines(r.output) : "nothing was written", seconds);

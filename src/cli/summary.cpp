@@ -122,6 +122,7 @@ std::string options_details(const ResolvedOptions& options) {
       fmt::format("\n{:<{}}{:.6g}{}, {:.4g} along the longest side\n", "cell", kLabelWidth, options.cell,
                   options.cell_was_chosen ? " (chosen)" : "", options.cells_along_longest_side);
   if (options.smooth > 0) text += fmt::format("{:<{}}{:.6g}\n", "smooth", kLabelWidth, options.smooth);
+  if (options.smooth > 0) text += fmt::format("{:<{}}{}\n", "redistanced by", kLabelWidth, name(options.redistance));
   if (options.deviation) text += fmt::format("{:<{}}{:.6g}\n", "deviation", kLabelWidth, *options.deviation);
   return text;
 }

@@ -62,6 +62,10 @@ std::size_t place_among(const GivenValue& given, const std::vector<std::string>&
   refuse(given, fmt::format("expected one of {}", fmt::join(words, ", ")), near ? fmt::format("did you mean '{}'?", *near) : std::string());
 }
 
+RedistanceMethod redistance_method(const GivenValue& given) {
+  return one_of<RedistanceMethod>(given, {"closest", "fmm", "pde-weno5", "pde-first"});
+}
+
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most) {
   std::uint64_t value = 0;
   const char* const end = given.text.data() + given.text.size();

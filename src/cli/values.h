@@ -27,6 +27,8 @@ template <class T>
 T one_of(const GivenValue& given, const std::vector<std::string>& words) {
   return static_cast<T>(place_among(given, words));
 }
+// closest, fmm, pde-weno5 or pde-first.
+RedistanceMethod redistance_method(const GivenValue& given);
 // A whole number within [least, most].
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most);
 // A finite number that is not negative.

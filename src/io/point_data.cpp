@@ -16,7 +16,7 @@ void write_vtp(FdWriter& out, const PointData& data) {
   vtp.open();
   vtp.open_piece(s.points.size(), 0, 0, s.facets.size());
   vtp.open_element(fmt::format("PointData Scalars=\"{}\"", data.arrays.front().name));
-  for (const PointArray& array : data.arrays) vtp.announce("Float64", array.name, 1, 8 * array.values.size());
+  for (const PointArray& array : data.arrays) vtp.announce("Float64", array.name, array.components, 8 * array.values.size());
   vtp.close_element("PointData");
   vtp.announce_points(s.points.size());
   vtp.announce_cells("Verts", 1, 0);
@@ -37,25 +37,36 @@ void write_vtp(FdWriter& out, const PointData& data) {
 
 double range_of(const std::vector<double>& values) {
   double range = 0;
-  for (const double v : values) range = std::max(range, std::abs(v));
+  for (const double v : values)
+    if (!std::isnan(v)) range = std::max(range, std::abs(v));
   return range;
+}
+
+double number_of(double value) { return std::isnan(value) ? 0 : value; }
+
+std::vector<std::string> properties_of(const PointArray& array) {
+  if (array.components == 1) return {array.name};
+  if (array.name == "normal") return {"nx", "ny", "nz"};
+  return {array.name + "_x", array.name + "_y", array.name + "_z"};
 }
 
 void write_ply(FdWriter& out, const PointData& data) {
   const TriangleSoup& s = data.surface;
   const PointArray& colored = data.arrays.front();
-  const double range = range_of(colored.values);
+  const double range = data.color_range > 0 ? data.color_range : range_of(colored.values);
   out.put("ply\nformat binary_little_endian 1.0\ncomment burnish\n");
   for (const std::string& comment : data.comments) out.put(fmt::format("comment {}\n", comment));
   out.put(fmt::format("comment colours {} from {} (blue) by 0 (grey) to {} (red)\n", colored.name, 0.0 - range, range));
   out.put(fmt::format("element vertex {}\nproperty double x\nproperty double y\nproperty double z\n", s.points.size()));
-  for (const PointArray& array : data.arrays) out.put(fmt::format("property double {}\n", array.name));
+  for (const PointArray& array : data.arrays)
+    for (const std::string& property : properties_of(array)) out.put(fmt::format("property double {}\n", property));
   out.put("property uchar red\nproperty uchar green\nproperty uchar blue\n");
   out.put(fmt::format("element face {}\nproperty list uchar int vertex_indices\nend_header\n", s.facets.size()));
   for (std::size_t p = 0; p < s.points.size(); ++p) {
     out.put_raw(s.points[p]);
-    for (const PointArray& array : data.arrays) out.put_raw(array.values[p]);
-    const Color color = diverging_color(colored.values[p], range);
+    for (const PointArray& array : data.arrays)
+      for (int c = 0; c < array.components; ++c) out.put_raw(number_of(array.values[p * static_cast<std::size_t>(array.components) + static_cast<std::size_t>(c)]));
+    const Color color = diverging_color(number_of(colored.values[p]), range);
     for (int i = 0; i < 3; ++i) out.put_raw(static_cast<std::uint8_t>(channel(color, i)));
   }
   for (const Facet& f : s.facets) {

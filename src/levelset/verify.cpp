@@ -24,6 +24,7 @@ struct Candidate {
   double distance = 0;  // the kernel's
   double band = 0;      // of the node's leaf
   double stored = 0;    // |phi|
+  bool is_exact = true; // should be
   NodeStratum stratum = NodeStratum::near_surface;
 };
 
@@ -47,9 +48,9 @@ NodeStratum stratum_of(double distance, double band) {
 // One leaf's nodes, and those that are taken of them.
 class LeafSample {
  public:
-  LeafSample(const TriangleSoup& soup, const std::vector<char>& active, const LevelSet& set, std::size_t leaf, std::uint64_t seed)
-      : soup_(soup), active_(active), set_(set), leaf_(leaf), side_(1 << set.octree().level(leaf)),
-        random_(seed ^ (leaf + 1) * 0x9e3779b97f4a7c15ull), squared_(kBlockNodes) {
+  LeafSample(const TriangleSoup& soup, const std::vector<char>& active, const LevelSet& set, std::size_t leaf, const DistanceCheckOptions& options)
+      : soup_(soup), active_(active), set_(set), exact_(options.exact), leaf_(leaf), side_(1 << set.octree().level(leaf)),
+        random_(options.seed ^ (leaf + 1) * 0x9e3779b97f4a7c15ull), squared_(kBlockNodes) {
     std::vector<std::uint32_t> nearest(kBlockNodes);
     exact_squared_distances(soup, set.grid, leaf, set.band, active, squared_.data(), nearest.data());
   }
@@ -73,7 +74,7 @@ class LeafSample {
   Candidate candidate(std::size_t n, NodeStratum stratum) const {
     const auto i = static_cast<int>(n);
     return {lattice_node(set_.octree(), leaf_, i % kBlockSide, i / kBlockSide % kBlockSide, i / (kBlockSide * kBlockSide)), std::sqrt(squared_[n]),
-            set_.band * side_, std::abs(static_cast<double>(set_.phi.block(leaf_)[n])), stratum};
+            set_.band * side_, std::abs(static_cast<double>(set_.phi.block(leaf_)[n])), exact_ == nullptr || exact_->block(leaf_)[n] != 0, stratum};
   }
 
   // Of a few of the leaf's facets the nodes nearest to corners and to middles of edges.
@@ -103,6 +104,7 @@ class LeafSample {
   const TriangleSoup& soup_;
   const std::vector<char>& active_;
   const LevelSet& set_;
+  const Field<std::uint8_t>* exact_;
   const std::size_t leaf_;
   const double side_;  // of its cells
   std::mt19937_64 random_;
@@ -122,7 +124,7 @@ std::vector<Candidate> choose_nodes(const TriangleSoup& soup, const std::vector<
   for (std::size_t first = 0; first < leaves.size() && std::ranges::any_of(counts, is_lacking); first += kLeavesAtOnce) {
     progress.check();
     std::vector<std::vector<Candidate>> found(std::min(kLeavesAtOnce, leaves.size() - first));
-    parallel_for(found.size(), [&](std::size_t i) { found[i] = LeafSample(soup, active, set, leaves[first + i], options.seed).take(most); }, 1);
+    parallel_for(found.size(), [&](std::size_t i) { found[i] = LeafSample(soup, active, set, leaves[first + i], options).take(most); }, 1);
     for (const auto& of_leaf : found)
       for (const Candidate& c : of_leaf)
         if (counts[static_cast<std::size_t>(c.stratum)]++ < part) chosen.push_back(c);
@@ -173,7 +175,7 @@ DistanceCheck check_distances(const TriangleSoup& lattice_soup, const std::vecto
     const double allowed = kRelative * exact[i] + kOfDiagonal * options.diagonal;
     ++check.nodes[static_cast<std::size_t>(c.stratum)];
     add(check.kernel, std::abs(c.distance - std::min(exact[i], c.band)), allowed);
-    if (!(c.distance < c.band)) continue;
+    if (!(c.distance < c.band && c.is_exact)) continue;
     ++check.stored_nodes;
     add(check.stored, std::abs(c.stored - exact[i]), allowed + kHalfUnit * exact[i]);
   }

@@ -180,11 +180,11 @@ void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& prog
 
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
-  SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true};
+  SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true, .redistance = options.redistance};
   if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
   const SmoothingResult done = smooth_by_flow(level_set, in_cells, progress);
   const double square = options.cell * options.cell;
-  report.smoothing = {options.smooth, done.flow.time * square, done.flow.steps, done.volume_before * square * options.cell,
+  report.smoothing = {options.smooth, done.flow.time * square, done.flow.steps, options.redistance, done.volume_before * square * options.cell,
                       done.volume_after * square * options.cell};
   const double drift = done.volume_after / done.volume_before - 1;
   if (!(std::abs(drift) <= kVolumeKept))

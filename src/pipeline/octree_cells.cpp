@@ -18,8 +18,8 @@ LatticeNode node_of(const LatticePoint& p) { return {p[0], p[1], p[2]}; }
 
 }  // namespace
 
-OctreeCells::OctreeCells(const BuiltLevelSet& built, const std::vector<std::uint32_t>& input_facet, FieldCells cells)
-    : built_(built), tree_(built.level_set.octree()), input_facet_(input_facet), first_(tree_.size() + 1, 0) {
+OctreeCells::OctreeCells(const BuiltLevelSet& built, const std::vector<std::uint32_t>& input_facet, FieldCells cells, const Field<std::uint8_t>* accepted)
+    : built_(built), tree_(built.level_set.octree()), input_facet_(input_facet), accepted_(accepted), first_(tree_.size() + 1, 0) {
   for (std::size_t leaf = 0; leaf < tree_.size(); ++leaf)
     first_[leaf + 1] = first_[leaf] + (is_cut(built.level_set.grid, leaf, cells) ? kBlockNodes : 1);
 }
@@ -38,6 +38,8 @@ CellGrid OctreeCells::grid() const {
   cells("block", NumberType::int64, [](const LatticeCube&, std::uint32_t leaf) { return leaf == Octree::kNone ? -1.0 : static_cast<double>(leaf); });
   if (!built_.nearest.empty())
     cells("facet", NumberType::int64, [this](const LatticeCube& c, std::uint32_t leaf) { return facet_of(c, leaf); });
+  if (accepted_ != nullptr)
+    cells("accepted", NumberType::uint8, [this](const LatticeCube& c, std::uint32_t leaf) { return is_accepted(c, leaf); });
   grid.point_arrays.push_back({"phi", NumberType::float32, [this, h](std::span<const LatticePoint> points, double* values) {
                                  for (const LatticePoint& p : points) *values++ = h * node_value(tree_, built_.level_set.phi, node_of(p));
                                }});
@@ -86,13 +88,25 @@ double OctreeCells::phi_at(const LatticeCube& cube, std::uint32_t leaf) const {
   return sum / 8;
 }
 
-double OctreeCells::facet_of(const LatticeCube& cube, std::uint32_t leaf) const {
-  if (leaf == Octree::kNone) return -1;
+// The block's middle stands for a whole block, the lower corner for a cell.
+std::size_t OctreeCells::place_of(const LatticeCube& cube, std::uint32_t leaf) const {
   const LatticeNode corner = lattice_node(tree_, leaf, 0, 0, 0);
-  // The block's middle stands for a whole block, the lower corner for a cell.
   const int level = tree_.level(leaf), shift = cube.level > level ? 1 << (cube.level - 1) : 0;
   const auto step = [&](std::size_t a, std::int32_t from) { return (cube.corner[a] + shift - from) >> level; };
-  const std::uint32_t f = built_.nearest.block(leaf)[node_index(step(0, corner.x), step(1, corner.y), step(2, corner.z))];
+  return node_index(step(0, corner.x), step(1, corner.y), step(2, corner.z));
+}
+
+// Of a whole block: whether some cell of it is.
+double OctreeCells::is_accepted(const LatticeCube& cube, std::uint32_t leaf) const {
+  if (leaf == Octree::kNone) return 0;
+  const std::uint8_t* marks = accepted_->block(leaf);
+  if (cube.level > tree_.level(leaf)) return std::any_of(marks, marks + kBlockNodes, [](std::uint8_t m) { return m != 0; }) ? 1 : 0;
+  return marks[place_of(cube, leaf)] != 0 ? 1 : 0;
+}
+
+double OctreeCells::facet_of(const LatticeCube& cube, std::uint32_t leaf) const {
+  if (leaf == Octree::kNone) return -1;
+  const std::uint32_t f = built_.nearest.block(leaf)[place_of(cube, leaf)];
   return f == kNoFacet || input_facet_[f] == kNoFacet ? -1.0 : static_cast<double>(input_facet_[f]);
 }
 

@@ -14,7 +14,8 @@ namespace burnish {
 class OctreeCells {
  public:
   // `input_facet`: of the prepared soup's facets, the input's facet behind each; kNoFacet for caps.
-  OctreeCells(const BuiltLevelSet& built, const std::vector<std::uint32_t>& input_facet, FieldCells cells);
+  // `accepted`: marks of cells, in phi's layout; null: there is no such array.
+  OctreeCells(const BuiltLevelSet& built, const std::vector<std::uint32_t>& input_facet, FieldCells cells, const Field<std::uint8_t>* accepted = nullptr);
 
   std::size_t count() const { return first_.back(); }
   CellGrid grid() const;
@@ -27,10 +28,14 @@ class OctreeCells {
 
   double phi_at(const LatticeCube& cube, std::uint32_t leaf) const;
   double facet_of(const LatticeCube& cube, std::uint32_t leaf) const;
+  double is_accepted(const LatticeCube& cube, std::uint32_t leaf) const;
+  // The place in its leaf of a cell, or of the cell in the middle of a whole block.
+  std::size_t place_of(const LatticeCube& cube, std::uint32_t leaf) const;
 
   const BuiltLevelSet& built_;
   const Octree& tree_;
   const std::vector<std::uint32_t>& input_facet_;
+  const Field<std::uint8_t>* accepted_;
   std::vector<std::uint64_t> first_;  // number of each leaf's first cell, and the count
 };
 

@@ -129,6 +129,7 @@ Json json_of(const SmoothingSummary& s) {
       {"length", s.length},
       {"flow_time", s.flow_time},
       {"steps", s.steps},
+      {"redistance", s.steps > 0 ? Json(name(s.redistance)) : Json()},
       {"volume_before", s.volume_before},
       {"volume_after", s.volume_after},
   };
@@ -165,6 +166,11 @@ Json json_of(const DistanceCheck& check, double cell) {
           {"nodes", std::move(nodes)},
           {"kernel", json_of(check.kernel, check.total(), cell)},
           {"stored", json_of(check.stored, check.stored_nodes, cell)}};
+}
+
+Json json_of(const FieldRedistancing& r) {
+  return {{"method", name(r.method)}, {"accepted", name(r.exact)}, {"cells_cut", r.cells_cut}, {"cells_accepted", r.cells_accepted},
+          {"exact_nodes", r.exact_nodes}, {"steps", r.result.steps}, {"residual", r.result.residual}, {"steady", r.result.steady}};
 }
 
 Json json_of(const LocatedDefect& d, std::size_t index) {
@@ -277,6 +283,7 @@ std::string to_json(const FieldResult& r) {
        or_null({{"blocks", g.blocks}, {"finest_blocks", g.finest_blocks}, {"near_blocks", g.near_blocks}, {"nodes", g.nodes}, {"levels", g.levels},
                 {"by_level", std::move(by_level)}, {"divided", std::move(divided)}, {"bytes", g.bytes}, {"bytes_planned", g.bytes_planned}})},
       {"volume", or_null({{"input", r.volume.input}, {"prepared", r.volume.prepared}, {"level_set", r.volume.level_set}})},
+      {"redistancing", r.redistancing ? json_of(*r.redistancing) : Json()},
       {"verification", r.verification ? json_of(*r.verification, r.options.cell) : Json()},
       {"stages", json_of(r.stages)},
   });

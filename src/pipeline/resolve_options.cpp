@@ -136,6 +136,7 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, 0)) : std::nullopt; };
   ResolvedOptions resolved;
   resolved.memory_bytes = asked.memory_bytes;
+  resolved.redistance = asked.redistance;
   resolved.gap = length(asked.gap);
   resolved.max_hole = asked.keep_openings ? std::optional(0.0) : length(asked.max_hole);
   resolved.thicken = length(asked.thicken);

@@ -292,7 +292,33 @@ FIELD = [
     usage("field cube.stl --band 1", r"--band 1: expected a number of cells from 2 to 64"),
     usage("field cube.stl --band x", r"--band x: "),
     usage("field cube.stl --verify-exact 0", r"--verify-exact 0: .*from 1"),
+    usage("field cube.stl --redistance pde", r"--redistance pde: expected one of closest, fmm, pde-weno5, pde-first\n  hint: did you mean 'pde-weno5'\?"),
+    usage("field cube.stl --redistance fmm --accepted all", r"--accepted all: expected one of cells, band"),
+    usage("field cube.stl --accepted band", r"--accepted says what redistancing starts from.*\n  hint: add --redistance"),
+    usage("field cube.stl --redistance fmm --band 3", r"--band 3: ACCEPTED cells need 3\.5 cells"),
+    usage("field cube.stl --redistance fmm --band 5 --adapt 0.1h", r"--band 5: ACCEPTED cells need 7 cells"),
+    usage("field cube.stl --cell-octree --redistance fmm", r"--redistance is a matter of the level set"),
+    usage("cube.stl -o x.stl --smooth 1 --redistance fm", r"--redistance fm: expected one of closest, fmm"),
     usage("field cube.stl --smooth 1", r"unknown option '--smooth'"),
+]
+
+CURVATURE = [
+    Case("curvature --help", 0, r"^Usage: burnish curvature IN(.|\n)*^Exit codes:", NOTHING),
+    Case("curvature cube.stl --resolution 24", 0, r"^points +\d+ of the extracted surface\n(.|\n)*^k1 k2 (.|\n)*^smallest convex r +(.|\n)*^nothing was written",
+         r"flat facets"),
+    Case("curvature cube.stl --resolution 24 -q -o c.vtp", 0, NOTHING, r"flat facets|\A\Z", makes=["c.vtp"]),
+    Case("curvature missing.stl -o c.vtp", 3, NOTHING, r"burnish: missing\.stl: "),
+    Case("curvature triangle.stl -o c.vtp", 5, NOTHING, r"no solid"),
+    Case("curvature cube.stl --resolution 4000", 6, NOTHING, r"\n  hint: choose a larger --cell"),
+    usage("curvature", r"IN is missing"),
+    usage("curvatrue cube.stl", r"unknown command 'curvatrue'\n  hint: did you mean 'curvature'"),
+    usage("curvature cube.stl -o c.stl", r"c\.stl: the suffix does not say.*\n  hint: use \.vtp .*\.ply"),
+    usage("curvature c.ply -o ./c.ply --overwrite", r"\./c\.ply: -o names the input"),
+    usage("curvature cube.stl --order 3", r"--order 3: expected one of 2, 4, 6"),
+    usage("curvature cube.stl --at edges", r"--at edges: expected one of surface, vertices"),
+    usage("curvature cube.stl --method nodal --order 6", r"--method nodal has orders 2 and 4"),
+    usage("curvature cube.stl --method nodal --check 5", r"--method nodal has no k1 and k2 for --check"),
+    usage("curvature cube.stl --cell 1 --resolution 10", r"--cell and --resolution exclude"),
 ]
 
 COMPARE = [
@@ -340,4 +366,4 @@ COMPARE = [
     Case("compare cube.stl cut.stl --salvage", 0, r"^facets +12 +11 +-1\n", r"^burnish: warning: cut\.stl: "),
 ]
 
-GROUPS = {"help": HELP, "usage": USAGE, "check": CHECK, "compare": COMPARE, "example": EXAMPLE, "clean": CLEAN, "field": FIELD}
+GROUPS = {"help": HELP, "usage": USAGE, "check": CHECK, "compare": COMPARE, "example": EXAMPLE, "clean": CLEAN, "curvature": CURVATURE, "field": FIELD}

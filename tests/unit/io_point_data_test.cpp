@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "support/folder.h"
 #include "support/mesh_bytes.h"
@@ -51,6 +53,27 @@ TEST(PointData, VtpAnnouncesItsArraysWhereTheyAre) {
   EXPECT_EQ(bytes.substr(data + end), "\n  </AppendedData>\n</VTKFile>\n");
   EXPECT_EQ(raw_at<double>(bytes, data + 8), -0.5);
   EXPECT_EQ(raw_at<double>(bytes, data + 8 + 32 + 8), 0.5);
+}
+
+// Three numbers a point, in either format; what is no number is 0 in a PLY.
+TEST(PointData, ArraysMayBeVectors) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  PointData data{kSurface, {{"quality", {1, 2, nan, 4}}, {"normal", {0, 0, 1, 0, 1, 0, 1, 0, 0, nan, nan, nan}, 3}}, {}};
+  data.color_range = 3;
+  const std::string vtp = written(data, MarkedFormat::vtp);
+  EXPECT_TRUE(contains(vtp, {"Name=\"normal\" NumberOfComponents=\"3\""}));
+  const std::size_t first = vtp.find("   _") + 4;
+  EXPECT_TRUE(std::isnan(raw_at<double>(vtp, first + 8 + 16)));
+  EXPECT_EQ(raw_at<std::uint64_t>(vtp, first + 8 + 32), 96u);
+  EXPECT_EQ(raw_at<double>(vtp, first + 8 + 32 + 8 + 16), 1);
+  const std::string ply = written(data, MarkedFormat::ply);
+  EXPECT_TRUE(contains(ply, {"property double quality\nproperty double nx\nproperty double ny\nproperty double nz\nproperty uchar red\n",
+                             "from -3 (blue) by 0 (grey) to 3 (red)"}));
+  const std::size_t body = ply.find("end_header\n") + 11, vertex = 24 + 32 + 3;
+  EXPECT_EQ(raw_at<double>(ply, body + 24), 1);
+  EXPECT_EQ(raw_at<double>(ply, body + vertex + 24 + 16), 1);
+  EXPECT_EQ(raw_at<double>(ply, body + 2 * vertex + 24), 0);
+  EXPECT_EQ(raw_at<double>(ply, body + 3 * vertex + 24 + 8), 0);
 }
 
 TEST(PointData, PlyIsReadAsItsSurface) {

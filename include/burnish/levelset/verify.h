@@ -35,7 +35,7 @@ struct DistanceCheck {
   std::array<std::size_t, kNodeStrata> nodes{};  // compared, of each stratum
   ErrorSummary kernel;   // of the double that `exact_squared_distances` computes
   ErrorSummary stored;   // of |phi|
-  std::size_t stored_nodes = 0;      // those within the band; beyond it phi is a bound (levelset/far_field.h)
+  std::size_t stored_nodes = 0;      // those within the band, or of them those that are to be exact; |phi| of others is not held against anything
 
   std::size_t total() const;
   bool passed() const { return kernel.exceeded + stored.exceeded == 0; }
@@ -45,6 +45,8 @@ struct DistanceCheckOptions {
   std::size_t nodes = 1000;  // to compare, in equal parts of the strata as far as there are such nodes
   double diagonal = 0;       // of the model, in cells
   std::uint64_t seed = 1;
+  // Nodes whose |phi| is to be exact, in phi's layout (levelset/accepted.h); unset: all within the band.
+  const Field<std::uint8_t>* exact = nullptr;
 };
 
 // Compares nodes near the surface with exact distances to the facets whose role is `boundary` (surface/exact_distance.h), in

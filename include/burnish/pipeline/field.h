@@ -7,6 +7,8 @@
 #include <vector>
 
 #include "burnish/core/progress.h"
+#include "burnish/levelset/accepted.h"
+#include "burnish/levelset/redistance.h"
 #include "burnish/levelset/verify.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/pipeline/report.h"
@@ -22,6 +24,14 @@ enum class FieldCells {
 
 std::string_view name(FieldCells cells);  // "near", "blocks", "cells"
 
+// Which nodes keep the exact distances to the facets, where all others are recomputed from them.
+enum class ExactNodes {
+  cells,  // those of the thesis' ACCEPTED cells (levelset/accepted.h)
+  band,   // all within the band
+};
+
+std::string_view name(ExactNodes nodes);  // "cells", "band"
+
 struct FieldJob {
   std::string input;          // a path, or "-" for standard input
   std::string output;         // a .vtu or .htg; empty: nothing is written
@@ -30,11 +40,17 @@ struct FieldJob {
   // The thesis' criteria for dividing blocks, beside options.adapt; the coarsest level follows from options.cell_max. With
   // neither all blocks near the surface are finest.
   RefinementLimits limits;
+  // The thesis' way to a full field (section 4.4.2): beyond `exact` nodes by this method. Unset: by the facets (levelset/far_field.h).
+  std::optional<RedistanceMethod> redistance;
+  ExactNodes exact = ExactNodes::cells;
   FieldCells cells = FieldCells::near;
   std::size_t verify = 0;     // nodes to compare with exact distances
   bool salvage = false;       // take what a broken input file holds
   bool overwrite = false;     // an existing output may be replaced
 };
+
+// The band that a job needs, in cells: with ACCEPTED cells 3.5, so that their distances are exact; twice that if blocks of several levels may meet there.
+double least_band(const FieldJob& job);
 
 // Blocks of one level.
 struct FieldLevel {
@@ -59,6 +75,16 @@ struct FieldVolume {
   double input = 0;      // as the input is oriented, by the divergence theorem
   double prepared = 0;   // of the closed chain that the level set was built from
   double level_set = 0;  // of {phi >= 0}
+};
+
+// How the field came about beyond the nodes that are exact.
+struct FieldRedistancing {
+  RedistanceMethod method = RedistanceMethod::closest;
+  ExactNodes exact = ExactNodes::cells;
+  std::uint64_t cells_cut = 0;       // by facets of the solid's surface
+  std::uint64_t cells_accepted = 0;  // these and their neighbours
+  std::uint64_t exact_nodes = 0;
+  RedistanceResult result;
 };
 
 struct FieldFile {
@@ -88,6 +114,7 @@ struct FieldResult {
   std::size_t unresolved_facets = 0;  // of them, outside on both sides: sheets, or walls thinner than a cell
   FieldGrid grid;
   FieldVolume volume;
+  std::optional<FieldRedistancing> redistancing;
   std::optional<DistanceCheck> verification;
   FieldFile output;
   std::optional<Error> failure;       // the input bounds no solid: there is no field
@@ -97,13 +124,13 @@ struct FieldResult {
 };
 
 // Reads, inspects and prepares the input and builds its level set, as `clean` does with the level set gear, but with distances in the
-// whole domain (levelset/far_field.h); compares nodes with exact distances and writes the file, if asked to.
+// whole domain (levelset/far_field.h, or redistancing if that is asked for); compares nodes with exact distances and writes the file, if asked to.
 //
 // The file (io/field_files.h; docs/formats.md) has a cell for each cell of the octree in blocks with facets within the band, and one
 // for each block beyond them, unless `cells` says otherwise. It is written also when a comparison fails.
 //
-// An input that bounds no solid comes back as `failure`. Throws Error for everything else: usage for an output of another suffix, before
-// anything is read; unreadable input, unwritable output; memory_limit, also when the cells are too many to be written within
+// An input that bounds no solid comes back as `failure`. Throws Error for everything else: usage for an output of another suffix, and for a band below
+// least_band, before anything is read; unreadable input, unwritable output; memory_limit, also when the cells are too many to be written within
 // the budget; interrupted.
 FieldResult field(const FieldJob& job, Progress& progress = no_progress());
 

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "burnish/core/length.h"
+#include "burnish/levelset/redistance.h"
 
 namespace burnish {
 
@@ -50,6 +51,8 @@ struct CleanOptions {
   Length smooth{};
   // Bound on the distance between the smoothed and the repaired surface. Unset: no bound.
   std::optional<Length> deviation;
+  // What keeps the flow of `smooth` a distance function.
+  RedistanceMethod redistance = RedistanceMethod::closest;
   // Points of open edges closer than this are joined: closes cracks up to that width.
   std::optional<Length> gap;
   // Openings wider than this stay open: the diameter of a circle of the same perimeter. Unset: all are closed.
@@ -79,6 +82,7 @@ struct ResolvedOptions {
   int coarsest_level = 0;          // cells at the surface are at most 2^coarsest_level finest cells wide
   double smooth = 0;
   std::optional<double> deviation;
+  RedistanceMethod redistance = RedistanceMethod::closest;
   std::optional<double> gap;
   std::optional<double> max_hole;  // openings wider than this stay; unset: none does
   std::optional<double> thicken;

@@ -85,6 +85,7 @@ struct SmoothingSummary {
   double length = 0;          // model units; 0: none was asked for
   double flow_time = 0;       // model units squared
   int steps = 0;
+  RedistanceMethod redistance = RedistanceMethod::closest;  // what keeps the flow a distance function
   double volume_before = 0;   // of the level set's zero surface, before and after
   double volume_after = 0;
 };

@@ -71,8 +71,11 @@ void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress
 
 // Runs the flow; after every redistancing `constrain` may correct phi.
 template <class T, class Constrain>
-FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Constrain&& constrain) {
+FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method, Progress& progress, Constrain&& constrain) {
   FlowResult result;
+  RedistanceOptions redistancing;
+  redistancing.method = method;
+  redistancing.reach = std::min(set.band, kFlowBand);
   if (time <= 0) return result;
   const int steps = static_cast<int>(std::ceil(time / kLargestStep));  // [T-FLOW-3]
   const double dt = time / steps;
@@ -81,7 +84,7 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, Progress& progress, Cons
     euler_step(set, dt, next, progress);
     std::swap(set.phi, next);
     if (step % kStepsPerRedistance == 0 || step == steps) {
-      redistance(set, kFlowBand, progress);
+      redistance(set, redistancing, progress);
       constrain();
       next = set.phi;
     }
@@ -107,8 +110,8 @@ void shift(Field<float>& phi, double by) {
 }  // namespace
 
 template <class T>
-FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress) {
-  return run_flow(level_set, time, progress, [] {});
+FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress, RedistanceMethod method) {
+  return run_flow(level_set, time, method, progress, [] {});
 }
 
 double flow_time_for(double length) {
@@ -125,7 +128,7 @@ SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& opti
   const auto constrain = [&] {
     if (options.deviation) clamp_to(reference, *options.deviation, level_set.phi);
   };
-  result.flow = run_flow(level_set, flow_time_for(options.length), progress, constrain);
+  result.flow = run_flow(level_set, flow_time_for(options.length), options.redistance, progress, constrain);
   result.volume_after = enclosed_volume(level_set);
   if (!options.keep_volume) return result;
 
@@ -150,7 +153,7 @@ SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& opti
   return result;
 }
 
-template FlowResult mean_curvature_flow(BasicLevelSet<float>&, double, Progress&);
-template FlowResult mean_curvature_flow(BasicLevelSet<double>&, double, Progress&);
+template FlowResult mean_curvature_flow(BasicLevelSet<float>&, double, Progress&, RedistanceMethod);
+template FlowResult mean_curvature_flow(BasicLevelSet<double>&, double, Progress&, RedistanceMethod);
 
 }  // namespace burnish

@@ -5,6 +5,7 @@
 
 #include "burnish/core/progress.h"
 #include "burnish/levelset/level_set.h"
+#include "burnish/levelset/redistance.h"
 
 namespace burnish {
 
@@ -16,15 +17,17 @@ struct FlowResult {
 };
 
 // Runs the flow for `time` (in cells squared): central differences of second order on 19 points, explicit Euler steps of
-// at most 1/6 (stable), redistanced every few steps. The surface can move by 2 sqrt(time) cells at most, the
+// at most 1/6 (stable), redistanced every few steps by `method`. The surface can move by 2 sqrt(time) cells at most, the
 // radius of a sphere that vanishes in that time; blocks have to be finest that far and kFlowBand beyond.
 template <class T>
-FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress = no_progress());
+FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress = no_progress(),
+                               RedistanceMethod method = RedistanceMethod::closest);
 
 struct SmoothingOptions {
   double length = 0;                // wavelengths below this many cells are attenuated tenfold or more
   std::optional<double> deviation;  // |phi - phi0| stays at most this many cells
   bool keep_volume = true;
+  RedistanceMethod redistance = RedistanceMethod::closest;
 };
 
 struct SmoothingResult {

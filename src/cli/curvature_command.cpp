@@ -1,0 +1,135 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+#include "burnish/core/timer.h"
+#include "burnish/io/marked_cells.h"
+#include "burnish/pipeline/curvature.h"
+#include "commands.h"
+#include "console.h"
+#include "curvature_summary.h"
+#include "report_error.h"
+#include "streams.h"
+#include "values.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::string_view kNotes =
+    R"(Curvatures are positive where the solid is convex: a ball of radius R has k1 =
+k2 = mean = 1/R. Facets are flat and meet in edges: to see the curvature of the
+shape they stand for, smooth by a few edges. scripts/render --color draws OUT.
+
+Lengths are in the model's units (0.5), in percent of the bounding box'
+diagonal (0.2%), or in cells (2h).
+
+Examples:
+  burnish curvature part.stl --smooth 1%
+  burnish curvature part.stl -o part.vtp --smooth 1% --resolution 300
+  burnish curvature scan.stl -o scan.ply --at vertices --smooth 2%
+
+Exit codes: 0 done, 2 usage, 3 input unreadable, 4 output unwritable, 5 the
+input bounds no solid, 6 memory limit, 130 interrupted.
+)";
+
+class CurvatureCommand : public Command {
+ public:
+  CommandLine command_line() override {
+    return {"curvature",
+            "Takes mean, Gaussian and principal curvatures of the surface of a triangle\n"
+            "file: reports how they are spread, and writes them for viewers.",
+            {"burnish curvature IN [-o OUT] [options]"},
+            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            option_table(),
+            kNotes};
+  }
+
+  int run() override {
+    require_consistent();
+    require_plausible_input(job_.input);
+    const ThreadLimit limit(threads_);
+    Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
+    if (job_.overwrite && job_.output.empty()) console.warn("--overwrite", {"has no effect without -o"});
+    const double start = monotonic_seconds();
+    const CurvatureResult result = curvature(job_, console);
+    console.end_stage();
+    console.warn(result.input, result.warnings);
+    if (json_)
+      write_stdout(to_json(result));
+    else if (!quiet_ && !result.failure)
+      write_stdout(curvature_summary(result, monotonic_seconds() - start));
+    if (!result.failure) return 0;
+    print_error(*result.failure);
+    return exit_code(result.failure->code());
+  }
+
+ private:
+  std::vector<Option> option_table() {
+    CleanOptions& o = job_.options;
+    return {
+        {"--output", 'o', "FILE", "Output", "Write the surface with its curvatures: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
+        {"--overwrite", 0, "", "Output", "Replace FILE if it exists already.", switch_on(job_.overwrite)},
+        {"--json", 0, "", "Output", "Print the result as JSON.", switch_on(json_)},
+        {"--at", 0, "W", "Curvature", "At the vertices of the extracted 'surface' (default), or at the input's own 'vertices'.",
+         [this](const GivenValue& v) { job_.at = one_of<CurvaturePoints>(v, {"surface", "vertices"}); }},
+        {"--order", 0, "N", "Curvature", "Order of accuracy on a smooth surface: 2, 4 (default) or 6. Higher ones look farther.",
+         [this](const GivenValue& v) { job_.order = order(v); }},
+        {"--method", 0, "M", "Curvature", "'front' (default): at points of the surface; 'nodal': of nodes, interpolated, for comparison.",
+         [this](const GivenValue& v) { job_.method = one_of<CurvatureMethod>(v, {"front", "nodal"}); }},
+        {"--check", 0, "N", "Curvature", "Compare N points with polynomials fitted to the surface around them.",
+         [this](const GivenValue& v) { job_.check = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); }},
+        {"--smooth", 0, "L", "Curvature", "Remove waves shorter than L first, facets among them. The volume is kept.",
+         [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
+        {"--cell", 0, "L", "Resolution", "Side of the cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
+         [&o](const GivenValue& v) {
+           if (v.text != "auto") o.cell = length_without_cells(v);
+         }},
+        {"--resolution", 0, "N", "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
+         [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
+        {"--nested", 0, "N", "Preparation", "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
+         [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
+        {"--gap", 0, "L", "Preparation", "Close cracks up to a width of L by joining the points on both sides.",
+         [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+        {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
+         [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
+        {"--salvage", 0, "", "Preparation", "Take what a truncated or malformed file holds.", switch_on(job_.salvage)},
+        {"--threads", 0, "N", "Resources", "Use at most N threads. The result does not depend on it.",
+         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
+        {"--memory", 0, "SIZE", "Resources", "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.",
+         [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
+        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
+        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+    };
+  }
+
+  static CurvatureOrder order(const GivenValue& v) {
+    constexpr CurvatureOrder kOrders[] = {CurvatureOrder::second, CurvatureOrder::fourth, CurvatureOrder::sixth};
+    return kOrders[place_among(v, {"2", "4", "6"})];
+  }
+
+  // Before anything is read; an output that looks at the model must not take its place.
+  void require_consistent() const {
+    const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    if (job_.options.cell && job_.options.resolution) refuse("--cell and --resolution exclude each other", "give one of the two");
+    if (job_.method == CurvatureMethod::nodal && job_.order == CurvatureOrder::sixth)
+      refuse("--method nodal has orders 2 and 4 only", "give --order 4, or leave --method out");
+    if (job_.method == CurvatureMethod::nodal && job_.check > 0) refuse("--method nodal has no k1 and k2 for --check", "leave one of the two out");
+    if (job_.output.empty()) return;
+    static_cast<void>(marked_format_for_writing(job_.output));
+    if (same_file(job_.output, job_.input))
+      refuse(fmt::format("{}: -o names the input", job_.output), "the coloured surface is no replacement for the model: give another name");
+  }
+
+  CurvatureJob job_;
+  int threads_ = 0;
+  bool json_ = false;
+  bool quiet_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_curvature_command() { return std::make_unique<CurvatureCommand>(); }
+
+}  // namespace burnish
