@@ -7,6 +7,7 @@
 
 #include "burnish/core/vec.h"
 #include "kernel_rows.h"
+#include "quintic.h"
 #include "tricubic.h"
 
 namespace burnish::detail {
@@ -21,9 +22,13 @@ constexpr double kRefineMove = 2;       // cells that a refined point may move
 constexpr double kDistantMove = 8;      // the same for nodes of coarser leaves
 constexpr int kRowsOfBlock = kBlockSide * kBlockSide;
 
-// Steps shorter than this leave an error of its square: below the rounding of T. [T-REDIST-1]
+// Steps shorter than this leave an error of their square: below the rounding of T. [T-REDIST-1]
 template <class T>
 constexpr double kShortStep = sizeof(T) == sizeof(float) ? 1e-3 : 1e-7;
+// Where the quintic interpolant has the last word, what they leave along the surface counts: its square. [T-REDIST-5]
+template <class T>
+constexpr double kShortBeforeQuintic = sizeof(T) == sizeof(float) ? 0.03 : 3e-4;
+constexpr double kSmoothSurface = 0.05;  // cells between the cubic's and the quintic's surface: beyond it phi is not smooth
 // Bounds are this much below the squared distance, so that rounding alone never moves a node to another point.
 template <class T>
 constexpr T kBetter = 1 - 8 * std::numeric_limits<T>::epsilon();
@@ -79,12 +84,26 @@ BURNISH_INLINE Vec3 newton_step(const SecondOrder& f, double g2, const Vec3& r) 
   return t1 * along1 + t2 * along2 - g * off;
 }
 
+// From y along the gradient to the quintic interpolant's surface. False where its nodes are not all there, or phi is not smooth. [T-REDIST-5]
+template <class T>
+BURNISH_INLINE bool move_to_quintic(const Surroundings<T>& around, const Cell& cell, const Vec3& gradient, double g2, Vec3& y) {
+  const auto [i, j, k] = cell.at;
+  const int low = 2 - around.width, high = kBlockSide + around.width - 4;
+  if (i < low || j < low || k < low || i > high || j > high || k > high) return false;
+  const T* corner = around.phi + place_of(around, i - 2, j - 2, k - 2);
+  const Vec3 move = gradient * (-triquintic(corner, kBlockSide + 2 * around.width, y - Vec3{double(i), double(j), double(k)}) / g2);
+  if (!(squared_norm(move) <= kSmoothSurface * kSmoothSurface)) return false;
+  y += move;
+  return true;
+}
+
 // The closest point of node x, from y on; `sign` is that of phi at x.
 template <class T>
 BURNISH_INLINE Foot closest_from(const Surroundings<T>& around, const Vec3& x, Vec3 y, double sign, double reach) {
   Cell cell;
   for (int a = 0; a < 3; ++a) cell.at[static_cast<std::size_t>(a)] = -1000;
   const int side = kBlockSide + 2 * around.width;
+  double enough = kShortBeforeQuintic<T>;
   for (int step = 0; step < kNewtonSteps; ++step) {
     cell.follow(y, around.width);
     if (!cell.within) return {};
@@ -96,7 +115,11 @@ BURNISH_INLINE Foot closest_from(const Surroundings<T>& around, const Vec3& x, V
     const double length2 = squared_norm(move);
     if (length2 > 1) move *= 1 / std::sqrt(length2);
     y += move;
-    if (!(length2 < kShortStep<T> * kShortStep<T>)) continue;
+    if (!(length2 < enough * enough)) continue;
+    if (enough > kShortStep<T> && !move_to_quintic(around, cell, f.gradient, g2, y)) {
+      enough = kShortStep<T>;
+      if (!(length2 < enough * enough)) continue;
+    }
     const Vec3 d = y - x;
     // The surface must be met from the node's own side.
     return {d, squared_norm(d) <= reach * reach && sign * dot(d, f.gradient) <= 1e-3 * std::sqrt(g2)};

@@ -17,7 +17,7 @@ using BlockBits = std::array<std::uint8_t, kBlockSide * kBlockSide>;
 
 inline constexpr double kSeedReach = 1.9;    // cells from a node beside the surface to its closest point; the diagonal is 1.73
 inline constexpr int kSeedHalo = 4;          // layers of phi that `seed` needs
-inline constexpr double kRefineReach = 6;    // cells: what `refine` can do with the widest halo
+inline constexpr double kRefineReach = 5;    // cells: what `refine` can do with the widest halo
 inline constexpr int kWidestHalo = 8;
 
 // For each node of a block the way to its closest point so far.
@@ -27,7 +27,8 @@ struct alignas(64) ClosestPoints {
   std::array<T, kBlockNodes> bound;  // another point is better if its squared distance is below this; infinite: there is none yet
 };
 
-// phi in a block and `width` layers around it, x fastest, as `gather` leaves it.
+// phi in a block and `width` layers around it, x fastest, as `gather` leaves it, and kPadding numbers more that may be read and do not matter.
+inline constexpr std::size_t kPadding = 2;
 template <class T>
 struct Surroundings {
   const T* phi;

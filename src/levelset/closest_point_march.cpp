@@ -18,8 +18,12 @@ constexpr std::size_t kDistantGrain = 128;  // leaves whose nodes share what is 
 constexpr double kRebroadcast = 2;  // cells: refined nodes within this of the edge of what was refined start the next march
 constexpr double kUnsettled = 1;    // cells behind the front within which nodes may still take another point: coarser leaves lag by that
 constexpr int kFirstPass = 2;       // a radius of one cell: seeds are there already
+constexpr int kNearPasses = 12;     // layers of half a cell up to six cells, where paths bend; then of 7/8
 
 constexpr std::size_t kSeedSide = kBlockSide + 2 * kSeedHalo, kSeedNodes = kSeedSide * kSeedSide * kSeedSide;
+
+// The front's radius in a pass, in finest cells. [T-REDIST-3]
+double front_radius(int pass) { return pass <= kNearPasses ? 0.5 * pass : 0.5 * kNearPasses + 0.875 * (pass - kNearPasses); }
 
 // Which signs the nodes of a leaf have.
 enum class Side : std::uint8_t { inside = 1, outside = 2, both = 3 };
@@ -93,13 +97,13 @@ class ClosestPointMarch {
     const std::vector<Side> side_of = sides();
     parallel_ranges(leaves_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
-      std::array<T, kSeedNodes> phi;
+      std::array<T, kSeedNodes + kPadding> phi{};
       for (std::size_t slot = begin; slot < end; ++slot) {
         points_[slot].bound.fill(kInfinite);
         open_[slot] = exact_[slot] = {};
         least_open_[slot] = kInfinite;
         if (!may_be_beside(leaves_[slot], side_of)) continue;
-        gather_smooth(tree_, set_.phi, leaves_[slot], kSeedHalo, HaloOrder::cubic, phi.data());
+        gather_smooth(tree_, set_.phi, leaves_[slot], kSeedHalo, HaloOrder::quintic, phi.data());
         const Surroundings<T> around{phi.data(), kSeedHalo};
         const BlockBits beside = beside_surface(around);
         seed(around, beside, points_[slot], exact_[slot]);
@@ -131,7 +135,7 @@ class ClosestPointMarch {
   // How far a leaf carries points, in its cells, when results are wanted up to `reach`.
   double reach_of(std::size_t slot, double reach) const { return beside_coarser_[slot] != 0 ? 2 * reach : reach; }
 
-  // Carries closest points outwards, in layers of half a cell of each leaf's level, up to `reach` of its cells. [T-REDIST-3]
+  // Carries closest points outwards, in layers of a part of a cell of each leaf's level, up to `reach` of its cells. [T-REDIST-3]
   void march(double reach) {
     for (int pass = kFirstPass; is_open(reach); ++pass) {
       progress_.check();
@@ -154,7 +158,7 @@ class ClosestPointMarch {
   // The radius up to which a leaf publishes in a pass, in its cells, or 0 if that is none of its passes.
   double radius_of(int pass, std::size_t slot, double reach) const {
     const int level = tree_.level(leaves_[slot]);
-    return pass % (1 << level) == 0 ? std::min(0.5 * (pass >> level), reach_of(slot, reach)) : 0;
+    return pass % (1 << level) == 0 ? std::min(front_radius(pass) / (1 << level), reach_of(slot, reach)) : 0;
   }
 
   void publish_layer(int pass, double reach) {
@@ -191,7 +195,7 @@ class ClosestPointMarch {
         const std::uint32_t slot = readers[r];
         read_front(slot, front);
         if (front.empty()) continue;
-        const double settled = std::max(0.0, 0.5 * pass / (1 << tree_.level(leaves_[slot])) - kUnsettled);
+        const double settled = std::max(0.0, front_radius(pass) / (1 << tree_.level(leaves_[slot])) - kUnsettled);
         least_open_[slot] = std::min(least_open_[slot], spread(front, settled, points_[slot], open_[slot], exact_[slot]));
         front.clear();
       }
@@ -225,27 +229,28 @@ class ClosestPointMarch {
     return octants;
   }
 
-  // A node and the leaf that holds its closest point.
-  struct DistantFoot {
-    std::uint32_t holder, slot, node;
-    bool operator<(const DistantFoot& b) const {
-      return holder != b.holder ? holder < b.holder : slot != b.slot ? slot < b.slot : node < b.node;
-    }
+  // Nodes of one leaf, one behind the other but for such as need nothing, whose closest points one leaf holds.
+  struct DistantFeet {
+    std::uint32_t holder, slot;
+    std::vector<std::uint16_t> nodes;
   };
 
   // Of the leaves from one to another, holder by holder.
-  std::vector<DistantFoot> distant_feet(std::size_t begin, std::size_t end) const {
+  std::vector<DistantFeet> distant_feet(std::size_t begin, std::size_t end) const {
     const bool everywhere = options_.method == RedistanceMethod::fmm || options_.reach > kRefineReach;
     const T limit = static_cast<T>((options_.reach + 0.25) * (options_.reach + 0.25));
-    std::vector<DistantFoot> feet;
-    for (std::size_t slot = begin; slot < end; ++slot)
+    std::vector<DistantFeet> feet;
+    for (std::uint32_t slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) {
+      std::uint32_t holder = leaves_[slot];
       for (std::uint32_t n = 0; n < kBlockNodes; ++n) {
         if (!wants_refinement(slot, n, limit)) continue;
-        const std::uint32_t holder = leaf_at(foot_of(slot, n), leaves_[slot]);
-        if (slot_[holder] != kNone && (everywhere || tree_.level(holder) != tree_.level(leaves_[slot])))
-          feet.push_back({holder, static_cast<std::uint32_t>(slot), n});
+        holder = leaf_at(foot_of(slot, n), holder);
+        if (slot_[holder] == kNone || (!everywhere && tree_.level(holder) == tree_.level(leaves_[slot]))) continue;
+        if (feet.empty() || feet.back().holder != holder || feet.back().slot != slot) feet.push_back({holder, slot, {}});
+        feet.back().nodes.push_back(static_cast<std::uint16_t>(n));
       }
-    std::sort(feet.begin(), feet.end());
+    }
+    std::stable_sort(feet.begin(), feet.end(), [](const DistantFeet& a, const DistantFeet& b) { return a.holder < b.holder; });
     return feet;
   }
 
@@ -255,18 +260,17 @@ class ClosestPointMarch {
     parallel_ranges(leaves_.size(), kDistantGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
       constexpr std::size_t side = kBlockSide + 2 * kWidestHalo;
-      LargeArray<T> phi(side * side * side);
+      LargeArray<T> phi(side * side * side + kPadding, 0);
       std::uint32_t gathered = kNone;
-      for (const DistantFoot& foot : distant_feet(begin, end)) {
-        if (foot.holder != gathered) gather_smooth(tree_, set_.phi, foot.holder, kWidestHalo, HaloOrder::cubic, phi.data());
-        gathered = foot.holder;
-        refine_distant(Surroundings<T>{phi.data(), kWidestHalo}, foot);
+      for (const DistantFeet& feet : distant_feet(begin, end)) {
+        if (feet.holder != gathered) gather_smooth(tree_, set_.phi, feet.holder, kWidestHalo, HaloOrder::quintic, phi.data());
+        gathered = feet.holder;
+        for (const std::uint32_t n : feet.nodes) refine_distant(Surroundings<T>{phi.data(), kWidestHalo}, feet.holder, feet.slot, n);
       }
     });
   }
 
-  void refine_distant(const Surroundings<T>& around, const DistantFoot& foot) {
-    const auto [holder, slot, n] = foot;
+  void refine_distant(const Surroundings<T>& around, std::uint32_t holder, std::uint32_t slot, std::uint32_t n) {
     const std::uint32_t leaf = leaves_[slot];
     const double cell = 1 << tree_.level(holder), ratio = (1 << tree_.level(leaf)) / cell;
     DistantNode node{(position(leaf, n) - position(holder, 0)) / cell, offset(slot, n) * ratio, set_.phi.block(leaf)[n] >= 0 ? 1. : -1.};
@@ -305,10 +309,10 @@ class ClosestPointMarch {
     const T limit = static_cast<T>(reach * reach);
     parallel_ranges(leaves_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
       progress_.check();
-      LargeArray<T> phi(static_cast<std::size_t>(side * side * side));
+      LargeArray<T> phi(static_cast<std::size_t>(side * side * side) + kPadding, 0);
       for (std::size_t slot = begin; slot < end; ++slot) {
         if (!wants_refinement(slot, limit)) continue;
-        gather_smooth(tree_, set_.phi, leaves_[slot], width, HaloOrder::cubic, phi.data());
+        gather_smooth(tree_, set_.phi, leaves_[slot], width, HaloOrder::quintic, phi.data());
         refine(Surroundings<T>{phi.data(), width}, reach, octants_to_refine_in(leaves_[slot]), points_[slot], exact_[slot]);
         if (options_.reach > reach) open(slot, outermost(slot, reach));
       }

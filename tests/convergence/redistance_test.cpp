@@ -1,7 +1,9 @@
 #include "burnish/levelset/redistance.h"
 
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <memory>
@@ -56,8 +58,8 @@ double tricubic_value(const std::vector<double>& dense, const Vec3& p) {
   return sum;
 }
 
-// How far the surface moved, in cells: the largest difference, at points of the true surface, of the tricubic interpolants of phi and of the
-// exact distance. Both have |grad| = 1 there. The points are the feet of nodes within one cell.
+// How far redistancing moved the surface, in cells: the largest difference, at points of the true surface, of the tricubic interpolants of
+// phi and of the exact distance. Both have |grad| = 1 there. The points are the feet of nodes within one cell.
 double displacement(const PlacedShape& placed, const BasicLevelSet<double>& set, const Field<double>& exact) {
   const Octree& tree = set.octree();
   std::vector<double> worst(tree.size());
@@ -66,18 +68,18 @@ double displacement(const PlacedShape& placed, const BasicLevelSet<double>& set,
       [&](std::size_t leaf) {
         if (!set.phi.stores(leaf)) return;
         const double cell = 1 << tree.level(leaf);
-        std::vector<double> now(4096), then(4096);
+        std::vector<double> now(4096), ideal(4096);
         bool gathered = false;
         for (int n = 0; n < static_cast<int>(kBlockNodes); n += 3) {
           if (std::abs(exact.block(leaf)[n]) >= cell) continue;
           if (!gathered) {
             gather_smooth(tree, set.phi, leaf, 4, HaloOrder::cubic, now.data());
-            gather_smooth(tree, exact, leaf, 4, HaloOrder::cubic, then.data());
+            gather_smooth(tree, exact, leaf, 4, HaloOrder::cubic, ideal.data());
             gathered = true;
           }
-          const Vec3 foot = placed.closest(to_vec(lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64))).foot;
-          const Vec3 at = (foot - to_vec(lattice_node(tree, leaf, 0, 0, 0))) / cell;
-          worst[leaf] = std::max(worst[leaf], std::abs(tricubic_value(now, at) - tricubic_value(then, at)) / cell);
+          const Vec3 at = placed.closest(to_vec(lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64))).foot;
+          const Vec3 foot = (at - to_vec(lattice_node(tree, leaf, 0, 0, 0))) / cell;
+          worst[leaf] = std::max(worst[leaf], std::abs(tricubic_value(now, foot) - tricubic_value(ideal, foot)) / cell);
         }
       },
       4);
@@ -85,6 +87,8 @@ double displacement(const PlacedShape& placed, const BasicLevelSet<double>& set,
 }
 
 constexpr double kBand = 5;
+// In which phi is smooth, so that all that counts are the methods: stencils reach 5.2 cells, of coarse leaves across level jumps as well.
+constexpr double kSmoothBand = 6, kSmoothBandAtJumps = 12;
 
 // Largest errors: near and band in parts of the shape's size, within one and four cells of the surface; the displacement in cells.
 struct Errors {
@@ -96,14 +100,14 @@ Errors worse(const Errors& a, const Errors& b) { return {std::max(a.near, b.near
 // Errors once (0.1 + |x - x0|^2) distance, lengths in the shape's size and x0 on the surface, was redistanced.
 Errors errors_of_scaled(const AnalyticShape& shape, int cells, std::mt19937& random, bool jump) {
   const double size = 0.36 * cells / shape.radius();
-  const PlacedShape placed = placed_at_random(shape, size, 8, random);
-  BasicLevelSet<double> set = level_set_of_shape<double>(placed, kBand, jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
+  const PlacedShape placed = placed_at_random(shape, size, jump ? 24 : 8, random);
+  const double band = jump ? kSmoothBandAtJumps : kSmoothBand;
+  BasicLevelSet<double> set = level_set_of_shape<double>(placed, band, jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
   const Field<double> exact = set.phi;
   const Vec3 x0 = placed.closest(placed.center + random_rotation(random)[0] * (shape.radius() * size)).foot;
   for_each_stored(set, [&](const Vec3& p, double& phi, int) { phi *= 0.1 + squared_norm((p - x0) / size); });
-  redistance(set);
-  Errors errors;
-  errors.moved = displacement(placed, set, exact);
+  redistance(set, kBand);
+  Errors errors{0, 0, displacement(placed, set, exact)};
   for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
     const double cell = 1 << set.octree().level(leaf);
     for (std::size_t n = 0; set.phi.stores(leaf) && n < kBlockNodes; ++n) {
@@ -116,10 +120,10 @@ Errors errors_of_scaled(const AnalyticShape& shape, int cells, std::mt19937& ran
   return errors;
 }
 
-void record(const std::string& name, const Errors& e) {
-  testing::Test::RecordProperty(name + "_near", std::to_string(e.near * 1e9) + "e-9");
-  testing::Test::RecordProperty(name + "_band", std::to_string(e.band * 1e9) + "e-9");
-  testing::Test::RecordProperty(name + "_moved_cells", std::to_string(e.moved * 1e9) + "e-9");
+// T3_closest_sphere_64_near and so on.
+void record(const std::string& name, int cells, const Errors& e) {
+  for (const auto& [what, value] : {std::pair{"near", e.near}, {"band", e.band}, {"moved", e.moved}})
+    testing::Test::RecordProperty(fmt::format("T3_closest_{}_{}_{}", name, cells, what), fmt::format("{:.3e}", value));
 }
 
 std::vector<Errors> errors_of_scaled(const AnalyticShape& shape, std::initializer_list<int> cells, bool jump) {
@@ -128,40 +132,46 @@ std::vector<Errors> errors_of_scaled(const AnalyticShape& shape, std::initialize
   for (const int n : cells) {
     Errors worst;
     for (int offset = 0; offset < (n > 200 ? 1 : n > 100 ? 2 : 4); ++offset) worst = worse(worst, errors_of_scaled(shape, n, random, jump));
-    record(shape.name() + "_" + std::to_string(n), worst);
+    record(shape.name() + (jump ? "-jump" : ""), n, worst);
     result.push_back(worst);
   }
   return result;
 }
 
-TEST(Redistance, BadlyScaledFieldsBecomeDistancesOfFourthOrder) {
+TEST(Redistance, BadlyScaledFieldsBecomeDistancesOfSixthOrder) {
   const auto sphere = unit_sphere(), torus = unit_torus(), ellipsoid = unit_ellipsoid();
   for (const AnalyticShape* shape : {sphere.get(), torus.get(), ellipsoid.get()}) {
     SCOPED_TRACE(shape->name());
     const std::vector<Errors> e = errors_of_scaled(*shape, {32, 64, 128, 256}, false);
     for (const Errors& each : e) EXPECT_LE(each.band, 0.15);  // of the size: no blow-up, not even two cells from the torus' axis
-    EXPECT_GE(order(e[1].near, e[3].near) / 2, 4);  // over two doublings: the offsets' luck evens out
-    EXPECT_GE(order(e[2].near, e[3].near), 4);
-    EXPECT_GE(order(e[2].band, e[3].band), 3);
-    EXPECT_LE(e[2].moved, 1e-3);
-    EXPECT_LE(e[3].moved, 1e-4);
+    EXPECT_GE(order(e[1].near, e[2].near), 5);
+    EXPECT_GE(order(e[2].near, e[3].near), 5);
+    EXPECT_GE(order(e[2].band, e[3].band), 5);
+    if (shape != torus.get()) {
+      EXPECT_LE(e[0].moved, 1e-4);  // the torus' tube has a radius of 3.3 cells there
+    }
+    EXPECT_LE(e[1].moved, 1e-3);
+    EXPECT_LE(e[2].moved, 1e-5);
+    EXPECT_LE(e[3].moved, 1e-6);
   }
 }
 
 TEST(Redistance, AcrossLevelJumpsToo) {
   const auto sphere = unit_sphere(), torus = unit_torus();
   const std::vector<Errors> ball = errors_of_scaled(*sphere, {64, 128, 256}, true), ring = errors_of_scaled(*torus, {128, 256}, true);
-  EXPECT_GE(order(ball[0].near, ball[1].near), 3);
-  EXPECT_GE(order(ball[1].near, ball[2].near), 3);
-  EXPECT_GE(order(ball[1].band, ball[2].band), 3);
-  EXPECT_LE(ball[1].moved, 1e-3);
-  EXPECT_GE(order(ring[0].near, ring[1].near), 3);
-  EXPECT_GE(order(ring[0].band, ring[1].band), 3);
+  EXPECT_GE(order(ball[0].near, ball[1].near), 5);
+  EXPECT_GE(order(ball[1].near, ball[2].near), 5);
+  EXPECT_GE(order(ball[1].band, ball[2].band), 5);
+  EXPECT_LE(ball[0].moved, 1e-3);
+  EXPECT_GE(order(ring[0].near, ring[1].near), 5);
+  EXPECT_GE(order(ring[0].band, ring[1].band), 5);
+  EXPECT_LE(ring[0].moved, 1e-3);
 }
 
 // A shape's level set in which every leaf stores values, from distances in a band only.
 BasicLevelSet<double> dense_level_set(const PlacedShape& placed, bool jump) {
-  BasicLevelSet<double> set = level_set_of_shape<double>(placed, kBand, jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
+  const double band = jump ? kSmoothBandAtJumps : kSmoothBand;
+  BasicLevelSet<double> set = level_set_of_shape<double>(placed, band, jump ? jump_through(placed) : std::function<int(const Vec3&)>{});
   set.phi.make_dense(set.octree().size());
   return set;
 }
@@ -202,21 +212,21 @@ FarErrors worst_far_errors(const AnalyticShape& shape, int cells, RedistanceMeth
   return worst;
 }
 
-TEST(Redistance, ClosestPointsAreOfFourthOrderThroughTheDomain) {
+TEST(Redistance, ClosestPointsAreOfHighOrderThroughTheDomain) {
   const auto sphere = unit_sphere(), ellipsoid = unit_ellipsoid();
   for (const RedistanceMethod method : {RedistanceMethod::closest, RedistanceMethod::fmm})
     for (const AnalyticShape* shape : {sphere.get(), ellipsoid.get()})
       for (const bool jump : {false, true}) {
         SCOPED_TRACE(std::string(name(method)) + " " + shape->name() + (jump ? " with a jump" : ""));
         const FarErrors coarse = worst_far_errors(*shape, 64, method, jump), fine = worst_far_errors(*shape, 128, method, jump);
-        EXPECT_GE(order(coarse.worst, fine.worst), 3.5);
+        EXPECT_GE(order(coarse.worst, fine.worst), 5);
       }
 }
 
 // Again and again: what moves is far below a cell, in float too.
 template <class T>
 double drift_after(double radius, int times) {
-  auto [set, center] = analytic_ball<T>(radius, {0.31, 0.77, 0.13}, 4);
+  auto [set, center] = analytic_ball<T>(radius, {0.31, 0.77, 0.13}, kSmoothBand);
   const double before = enclosed_volume(set);
   for (int i = 0; i < times; ++i) redistance(set);
   return (enclosed_volume(set) - before) / (4 * std::numbers::pi * radius * radius);  // mean displacement, in cells
@@ -224,9 +234,10 @@ double drift_after(double radius, int times) {
 
 TEST(Redistance, RepeatedItLeavesTheSurfaceWhereItIs) {
   const double coarse = drift_after<double>(8, 10), fine = drift_after<double>(16, 10), single = drift_after<float>(16, 10);
-  RecordProperty("cells_8", std::to_string(coarse));
-  RecordProperty("cells_16", std::to_string(fine));
-  EXPECT_LE(std::abs(fine), 1e-4);
+  RecordProperty("cells_8", fmt::format("{:.2e}", coarse));
+  RecordProperty("cells_16", fmt::format("{:.2e}", fine));
+  EXPECT_LE(std::abs(coarse), 1e-5);
+  EXPECT_LE(std::abs(fine), 1e-6);
   EXPECT_LE(std::abs(single), 1e-4);
   EXPECT_GE(order(std::abs(coarse / 8), std::abs(fine / 16)), 3);
 }
@@ -234,9 +245,9 @@ TEST(Redistance, RepeatedItLeavesTheSurfaceWhereItIs) {
 TEST(Redistance, PlanesComeBackToRounding) {
   const Vec3 n = Vec3{0.36, 0.48, 0.8};
   auto distance = [=](const Vec3& p) { return dot(n, p - Vec3{32.2, 31.9, 32.4}); };
-  BasicLevelSet<double> set = analytic_level_set<double>(3, 4, distance);
+  BasicLevelSet<double> set = analytic_level_set<double>(3, kSmoothBand, distance);
   for_each_near_node(set, [&](const Vec3& p, double& phi) { phi = 0.7 * distance(p); });
-  redistance(set);
+  redistance(set, 4);
   double worst = 0;
   for_each_near_node(set, [&](const Vec3& p, double& phi) {
     const bool inner = std::min({p.x, p.y, p.z}) > 12 && std::max({p.x, p.y, p.z}) < 51;

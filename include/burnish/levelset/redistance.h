@@ -41,9 +41,10 @@ struct RedistanceResult {
 };
 
 // Replaces phi by the signed distance to the surface phi = 0 in all leaves that store values, of any level. Signs stay.
-// By closest points (closest, fmm) the error is O(h^4) where the distance is smooth, across level jumps too, phi's scale may vary, and the
-// surface moves by what tricubic interpolation of the given phi is off. At kinks and in noise results are finite and errors below
-// a cell. The two differ in how nodes within six cells are refined: `closest` does so on the lattice of the node's own leaf. [T-REDIST-1 to 4]
+// By closest points (closest, fmm) the error is O(h^6) where phi is smooth, across level jumps too: phi's scale may vary, and the
+// surface moves by what triquintic interpolation of the given phi is off, 2e-5 cells for the case below at R = 12. Where phi is not smooth tricubic interpolation
+// serves; at kinks and in noise results are finite and errors below a cell. The two differ in how nodes within five cells are refined: `closest`
+// does so on the lattice of the node's own leaf. 0.3 us a node in a band, 0.5 us through a domain (float; 0.7 double). [T-REDIST-1 to 5]
 //
 // The PDE, from phi0 = (0.1 + |x - x0|^2) distance on a sphere of R cells: the surface moves by 3e-3 / R cells (first order: 0.1 / R), phi is off by 8e-5 R
 // at R = 8 and by 1e-5 R at R = 16; from exact accepted values by 2e-5 R and 3e-7 R. 13 ns per node and stage, three stages a step (first order:
