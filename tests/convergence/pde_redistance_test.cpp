@@ -1,4 +1,5 @@
 // Redistancing by the PDE: orders of convergence, what the surface moves by, and what must hold on any field.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -124,10 +125,12 @@ Outcome redistanced(RedistanceMethod method, const AnalyticShape& shape, int cel
     std::mt19937 random(seed);
     run_once(method, start, placed_at_random(shape, cells / (shape.radius() > 2 ? 8.0 : 4.0), 8, random), steady, worst);
   }
-  const std::string name = shape.name() + "_" + std::to_string(cells);
-  testing::Test::RecordProperty(name + "_error", std::to_string(worst.error * 1e6) + "e-6");
-  testing::Test::RecordProperty(name + "_movement_cells", std::to_string(worst.movement * 1e6) + "e-6");
-  testing::Test::RecordProperty(name + "_steps", worst.steps);
+  // T3_pde-weno5_sphere_64_error and so on.
+  const std::string how = start.frozen ? "-frozen" : start.loose ? "-loose" : "";
+  const std::string label = fmt::format("T3_{}{}_{}{}_{}", name(method), how, shape.name(), start.jump ? "-jump" : "", cells);
+  testing::Test::RecordProperty(label + "_error", fmt::format("{:.3e}", worst.error));
+  testing::Test::RecordProperty(label + "_moved", fmt::format("{:.3e}", worst.movement));
+  testing::Test::RecordProperty(label + "_steps", worst.steps);
   return worst;
 }
 
