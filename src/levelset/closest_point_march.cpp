@@ -1,8 +1,10 @@
 #include "closest_point_march.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "burnish/core/large_array.h"
@@ -102,14 +104,58 @@ class ClosestPointMarch {
         points_[slot].bound.fill(kInfinite);
         open_[slot] = exact_[slot] = {};
         least_open_[slot] = kInfinite;
-        if (!may_be_beside(leaves_[slot], side_of)) continue;
+        const bool is_beside = may_be_beside(leaves_[slot], side_of), has_accepted = accepts_some(leaves_[slot]);
+        if (!is_beside && !has_accepted) continue;
         gather_smooth(tree_, set_.phi, leaves_[slot], kSeedHalo, HaloOrder::quintic, phi.data());
         const Surroundings<T> around{phi.data(), kSeedHalo};
-        const BlockBits beside = beside_surface(around);
-        seed(around, beside, points_[slot], exact_[slot]);
-        open(slot, beside);
+        BlockBits seeds{};
+        if (is_beside) seeds = beside_surface(around);
+        seed(around, seeds, points_[slot], exact_[slot]);
+        if (has_accepted) seed_accepted(phi.data(), slot, seeds);
+        open(slot, seeds);
       }
     });
+  }
+
+  bool accepts_some(std::uint32_t leaf) const {
+    if (options_.accepted == nullptr) return false;
+    const std::uint8_t* accepted = options_.accepted->block(leaf);
+    return std::any_of(accepted, accepted + kBlockNodes, [](std::uint8_t a) { return a != 0; });
+  }
+
+  // Accepted values stand for a surface also where no sign changes, as at sheets that fit between nodes: their closest points are as far
+  // away as they say, down their slope. [T-REDIST-6]
+  void seed_accepted(const T* phi, std::size_t slot, BlockBits& seeds) {
+    const std::uint8_t* accepted = options_.accepted->block(leaves_[slot]);
+    const double cell = 1 << tree_.level(leaves_[slot]);
+    for (std::size_t n = 0; n < kBlockNodes; ++n) {
+      std::uint8_t& row = seeds[n / kBlockSide];
+      const auto bit = static_cast<std::uint8_t>(1u << (n % kBlockSide));
+      if (accepted[n] == 0 || (row & bit) != 0) continue;
+      const std::size_t i = n % 8, j = n / 8 % 8, k = n / 64;
+      const Vec3 down = down_slope(phi + (i + kSeedHalo) + kSeedSide * ((j + kSeedHalo) + kSeedSide * (k + kSeedHalo)));
+      const double slope = norm(down);
+      if (!(slope > 0)) continue;
+      put(points_[slot], n, down * (std::abs(static_cast<double>(phi_of(slot)[n])) / (cell * slope)), false);
+      row |= bit;
+    }
+  }
+
+  const T* phi_of(std::size_t slot) const { return std::as_const(set_.phi).block(leaves_[slot]); }
+
+  // Where |phi| falls, by one-sided differences: along each axis towards the smaller neighbour, of second order where it falls on.
+  static Vec3 down_slope(const T* center) {
+    constexpr std::array<std::ptrdiff_t, 3> kStride{1, kSeedSide, kSeedSide * kSeedSide};
+    Vec3 down;
+    for (int axis = 0; axis < 3; ++axis) {
+      std::ptrdiff_t stride = kStride[static_cast<std::size_t>(axis)];
+      if (std::abs(center[-stride]) < std::abs(center[stride])) stride = -stride;
+      const double here = std::abs(center[0]), next = std::abs(center[stride]), second = std::abs(center[2 * stride]);
+      if (!(next < here)) continue;
+      const double fall = second < next ? 0.5 * (3 * here - 4 * next + second) : here - next;
+      down[axis] = stride > 0 ? fall : -fall;
+    }
+    return down;
   }
 
   // The nodes will be published once the radius has come to them.
@@ -296,7 +342,7 @@ class ClosestPointMarch {
   }
 
   bool wants_refinement(std::size_t slot, std::size_t n, T limit) const {
-    return points_[slot].bound[n] <= limit && (exact_[slot][n / kBlockSide] >> (n % kBlockSide) & 1) == 0;
+    return points_[slot].bound[n] < kInfinite && points_[slot].bound[n] <= limit && (exact_[slot][n / kBlockSide] >> (n % kBlockSide) & 1) == 0;
   }
   bool wants_refinement(std::size_t slot, T limit) const {
     for (std::size_t n = 0; n < kBlockNodes; ++n)

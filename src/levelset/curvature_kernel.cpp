@@ -8,7 +8,6 @@
 namespace burnish::detail {
 namespace {
 
-
 using Lanes = std::array<double, kBlockSide>;
 
 // One lane per node of the stencil: weights of the value, the first and the second derivative as polynomials in the place s = -1/2 ... 1/2

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -19,6 +20,7 @@ constexpr int kMargin = 5;       // cells beyond the reach that are computed, so
 constexpr double kPatience = 2;  // steps allowed, in parts of those that information needs
 constexpr int kSettling = 60;    // steps allowed besides
 constexpr double kRough = 1e-2;  // the residual at which distances of first order are good enough for WENO5 to start from
+constexpr double kShareOfStart = 0.1;  // of the time, about, that steps of first order take before those of WENO5
 constexpr std::size_t kGrain = 8;
 constexpr std::uint32_t kNone = 0xffffffffu;
 
@@ -164,13 +166,13 @@ class PdeRedistancer {
     start();
     RedistanceResult result;
     if (first_order_ || options_.most_steps > 0) {
-      advance(options_.most_steps > 0 ? options_.most_steps : steps_needed(), options_.steady, result);
+      advance(options_.most_steps > 0 ? options_.most_steps : steps_needed(), options_.steady, 0, result);
     } else {
       // From distances of first order, whatever phi was: the scheme of high order has no maximum principle. [T-PDE-10]
       use_first_order(true);
-      advance(steps_needed(), kRough, result);
+      advance(steps_needed(), kRough, 0, result);
       use_first_order(false);
-      advance(steps_needed(), options_.steady, result);
+      advance(steps_needed(), options_.steady, kShareOfStart, result);
     }
     finish();
     return result;
@@ -184,15 +186,24 @@ class PdeRedistancer {
     for (const std::uint32_t leaf : leaves_) rest(leaf);
   }
 
-  void advance(int most, double steady, RedistanceResult& result) {
+  // `done`: the part of the work that lies behind.
+  void advance(int most, double steady, double done, RedistanceResult& result) {
+    const double enough = std::max(steady, rounding()), share = done > 0 || first_order_only() ? 1 - done : kShareOfStart;
     result.steady = false;
     for (int step = 0; step < most && !result.steady; ++step) {
       find_active();
       result.residual = first_order_ ? euler_step() : runge_kutta_step();
-      result.steady = result.residual < steady;
+      result.steady = result.residual < enough;
       ++result.steps;
-      progress_.update(static_cast<double>(step + 1) / most);
+      progress_.update(done + share * (step + 1) / most);
     }
+  }
+
+  bool first_order_only() const { return options_.method == RedistanceMethod::pde_first || options_.most_steps > 0; }
+
+  // Changes that rounding makes: a part of the last bit of the largest values.
+  double rounding() const {
+    return std::numeric_limits<T>::epsilon() / 8 * std::min(limit_, 0.5 * kBlockSide * static_cast<double>(tree_.side()));
   }
 
   double scale(std::size_t leaf) const { return 1 << tree_.level(leaf); }

@@ -186,6 +186,9 @@ void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progr
   const double square = options.cell * options.cell;
   report.smoothing = {options.smooth, done.flow.time * square, done.flow.steps, options.redistance, done.volume_before * square * options.cell,
                       done.volume_after * square * options.cell};
+  if (done.flow.unsteady > 0)
+    report.warnings.push_back(fmt::format("redistancing by {} was not steady {} times: the surface may have moved with it; --redistance closest is exact and faster",
+                                          name(options.redistance), done.flow.unsteady));
   const double drift = done.volume_after / done.volume_before - 1;
   if (!(std::abs(drift) <= kVolumeKept))
     report.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,

@@ -274,6 +274,37 @@ TEST(Redistance, ClampsToTheReachOfEachLevelAndKeepsSigns) {
   }
 }
 
+// A square sheet between nodes: no sign changes, all that is known of it are accepted values.
+TEST(Redistance, AcceptedValuesAreSourcesWithoutASignChange) {
+  const auto distance = [](const Vec3& p) {
+    const double x = std::max({20.3 - p.x, p.x - 44.6, 0.0}), y = std::max({21.1 - p.y, p.y - 43.2, 0.0});
+    return -std::hypot(std::hypot(x, y), p.z - 31.37);
+  };
+  for (const RedistanceMethod method : {RedistanceMethod::closest, RedistanceMethod::fmm}) {
+    SCOPED_TRACE(name(method));
+    BasicLevelSet<double> set = level_set_of(Octree::build(3, all_blocks(3)), [&](const LatticeNode& n) { return std::max(distance(to_vec(n)), -3.5); });
+    set.band = 3.5;
+    Field<std::uint8_t> accepted = Field<std::uint8_t>::like(set.phi, 0, 0);
+    for (std::size_t i = 0; i < set.phi.values().size(); ++i) accepted.values()[i] = set.phi.values()[i] > -3.5;
+    redistance(set, {.method = method, .accepted = &accepted});
+    double worst = 0;
+    for_each_stored(set, [&](const Vec3& p, double& phi, int) { worst = std::max(worst, std::abs(phi - distance(p))); });
+    RecordProperty(std::string(name(method)) + "_cells", fmt::format("{:.3f}", worst));
+    EXPECT_LE(worst, 0.75);  // cells; without the sources some 27
+  }
+}
+
+// Nothing to find: nothing may be invented, whatever memory held before.
+TEST(Redistance, FieldsWithoutASurfaceKeepTheirSizes) {
+  const Vec3 middle{32.2, 31.9, 32.4};
+  BasicLevelSet<float> set = level_set_of<float>(Octree::build(3, {0, 511}), [&](const LatticeNode& n) { return norm(to_vec(n) - middle) + 1; });
+  const Field<float> before = set.phi;
+  for (const RedistanceMethod method : {RedistanceMethod::closest, RedistanceMethod::fmm}) {
+    redistance(set, {.method = method});
+    EXPECT_TRUE(same_bits(set.phi, before)) << name(method);
+  }
+}
+
 TEST(Redistance, AcceptedNodesStay) {
   for (const RedistanceMethod method : {RedistanceMethod::closest, RedistanceMethod::fmm}) {
     auto [set, center] = analytic_ball<double>(10, {0.2, 0.4, 0.6}, 4);

@@ -25,7 +25,7 @@ double accepted_band(bool several_levels);
 enum class AcceptedMark : std::uint8_t { none, neighbor, cut };
 
 struct AcceptedCells {
-  Field<std::uint8_t> cells;     // a AcceptedMark of each cell, at the place of its lower node
+  Field<std::uint8_t> cells;     // an AcceptedMark of each cell, at the place of its lower node
   Field<std::uint8_t> nodes;     // 1: ACCEPTED
   std::uint64_t cells_cut = 0;
   std::uint64_t cells_accepted = 0;  // these, and their neighbours

@@ -23,13 +23,13 @@ struct RedistanceOptions {
   RedistanceMethod method = RedistanceMethod::closest;
   // Afterwards |phi| ends at this many cells of each leaf's own level. Infinite: nowhere.
   double reach = std::numeric_limits<double>::infinity();  // nodes that no surface reaches keep |phi| then
-  // Nodes with a value other than 0 keep phi as it is, bit for bit: the thesis' ACCEPTED values, Dirichlet data. In phi's layout. Without
-  // it the surface is that of phi's interpolant. The PDE wants all corners of cells that the surface cuts among them: with a field of zeros nothing
+  // Nodes with a value other than 0 keep phi as it is, bit for bit: the thesis' ACCEPTED values, Dirichlet data. In phi's layout; they
+  // count as distances from a surface also where no sign changes. Without it the surface is that of phi's interpolant. The PDE wants all corners of cells that the surface cuts among them: with a field of zeros nothing
   // holds the surface in place (moves by half a cell are normal, [T-PDE-3]), as in the thesis' excessive reinitialisation.
   const Field<std::uint8_t>* accepted = nullptr;
   // Of the PDE only. Steps that are taken at most; 0: as many as the reach, or the domain, needs, and pde_weno5 starts with steps of first order,
-  // so that any start will do. The rms change of a step within the reach, relative to the step in pseudo-time, at which phi counts
-  // as steady: 1e-6 is enough for 1e-4 cells, kinks within the reach may keep pde_weno5 from coming so far.
+  // so that any start will do. The change of a step relative to the step in pseudo-time at which phi counts as steady, but no less than rounding
+  // makes: the root of the sum of squares within the reach over the number of nodes of all leaves that take part; 1e-6 is enough for 1e-4 cells, kinks within the reach may keep pde_weno5 from coming so far.
   int most_steps = 0;
   double steady = 1e-6;
 };

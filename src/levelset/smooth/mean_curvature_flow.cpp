@@ -69,6 +69,16 @@ void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress
   });
 }
 
+// Redistancing is a part of a step: it may be interrupted and reports no progress of its own.
+class PartOfStep : public Progress {
+ public:
+  explicit PartOfStep(const Progress& whole) : whole_(whole) {}
+  bool cancelled() const override { return whole_.cancelled(); }
+
+ private:
+  const Progress& whole_;
+};
+
 // Runs the flow; after every redistancing `constrain` may correct phi.
 template <class T, class Constrain>
 FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method, Progress& progress, Constrain&& constrain) {
@@ -76,6 +86,7 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method,
   RedistanceOptions redistancing;
   redistancing.method = method;
   redistancing.reach = std::min(set.band, kFlowBand);
+  PartOfStep part(progress);
   if (time <= 0) return result;
   const int steps = static_cast<int>(std::ceil(time / kLargestStep));  // [T-FLOW-3]
   const double dt = time / steps;
@@ -84,7 +95,7 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method,
     euler_step(set, dt, next, progress);
     std::swap(set.phi, next);
     if (step % kStepsPerRedistance == 0 || step == steps) {
-      redistance(set, redistancing, progress);
+      result.unsteady += !redistance(set, redistancing, part).steady;
       constrain();
       next = set.phi;
     }

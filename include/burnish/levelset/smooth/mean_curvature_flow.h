@@ -14,6 +14,7 @@ namespace burnish {
 struct FlowResult {
   double time = 0;  // in cells squared
   int steps = 0;
+  int unsteady = 0;  // redistancings by a PDE that ended before they were steady
 };
 
 // Runs the flow for `time` (in cells squared): central differences of second order on 19 points, explicit Euler steps of
