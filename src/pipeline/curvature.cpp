@@ -27,6 +27,7 @@ namespace {
 
 constexpr double kCellsPerEdge = 0.5;  // of the input: where edges are longer, unsmoothed curvature is that of single edges
 constexpr double kManyUndetermined = 0.02;
+constexpr double kMostUndetermined = 0.05;  // where more is missing, so is what an integral would be judged by
 constexpr double kFarOff = 0.1;        // of a ball's integral of Gaussian curvature
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
@@ -182,8 +183,8 @@ class CurvatureRun {
                                              cells_per_edge, 4 * c.mean_edge));
     const double undetermined = c.area > 0 ? 1 - c.determined_area / c.area : 0;
     if (undetermined > kManyUndetermined)
-      report_.warnings.push_back(fmt::format("{:.2g} % of the surface has no curvature: edges and corners, or details of the size of a cell", 100 * undetermined));
-    warn_of_integral();
+      report_.warnings.push_back(fmt::format("{:.3g} % of the surface has no curvature: edges and corners, or details of the size of a cell", 100 * undetermined));
+    if (undetermined <= kMostUndetermined) warn_of_integral();
   }
 
   // [T-GAUSS-1] What is lost or found of the integral has been at edges.
