@@ -195,6 +195,15 @@ def lost_components_are_told(box):
     expect(away["curvature"]["points"] - away["curvature"]["determined"] == 6 * 8 ** 2 + 2, f"{away['curvature']}")
     expect_match(r"smoothing moved the surface away from 386 of 3844 points", "\n".join(away["warnings"]), "warnings")
     expect(not [w for w in away["warnings"] if "edges and corners" in w], f"{away['warnings']}")
+    box.write("most.stl", models.binary_stl(sphere(4, 1.0) + shifted(sphere(60, 0.02), 1.6)))
+    run = box.succeed(["curvature", "most.stl", "--smooth", "0.3", "--resolution", "60", "--at", "vertices"])
+    expect_match(r"^undetermined +21602 \(100 %\)$", run.text(), "summary")
+
+
+@scenario("curvature")
+def no_other_order_is_suggested(box):
+    run = box.run(["curvature", "cube.stl", "--order", "3"])
+    expect(run.code == 2 and "expected one of 2, 4, 6" in run.messages() and "did you mean" not in run.messages(), run.messages())
 
 
 @scenario("curvature")
