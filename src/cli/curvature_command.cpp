@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
@@ -106,7 +107,10 @@ class CurvatureCommand : public Command {
 
   static CurvatureOrder order(const GivenValue& v) {
     constexpr CurvatureOrder kOrders[] = {CurvatureOrder::second, CurvatureOrder::fourth, CurvatureOrder::sixth};
-    return kOrders[place_among(v, {"2", "4", "6"})];
+    for (const CurvatureOrder o : kOrders)
+      if (v.text == std::to_string(static_cast<int>(o))) return o;
+    // No number is a misspelt other one: there is nothing to suggest.
+    throw Error(ErrorCode::usage, fmt::format("{} {}: expected one of 2, 4, 6", v.name, v.text), "");
   }
 
   // Before anything is read; an output that looks at the model must not take its place.

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "percent.h"
+
 namespace burnish {
 namespace {
 
@@ -36,19 +38,21 @@ std::string gaussian_line(const CurvatureSummary& c) {
   const double found = *c.gaussian_integral;
   if (!c.euler_characteristic) return line("integral of k1 k2", fmt::format("{:.6g} (the surface is open)", found));
   const double due = 2 * std::numbers::pi * static_cast<double>(*c.euler_characteristic);
-  const std::string off = due != 0 ? fmt::format("{:+.2g} %", 100 * (found / due - 1)) : fmt::format("off by {:.2g}", found);
+  const std::string off = due != 0 ? percent(100 * (found / due - 1), true) : fmt::format("off by {:.2g}", found);
   return line("integral of k1 k2", fmt::format("{:.6g} of 2 pi {} = {:.6g} ({})", found, *c.euler_characteristic, due, off));
 }
 
 std::string share(std::size_t part, std::size_t all) {
-  return all > 0 ? fmt::format("{:.2g} %", 100 * static_cast<double>(part) / static_cast<double>(all)) : "0 %";
+  return all > 0 ? percent(100 * static_cast<double>(part) / static_cast<double>(all)) : "0 %";
 }
 
 std::string points_lines(const CurvatureResult& r) {
   const CurvatureSummary& c = r.curvature;
   std::string text = line("points", fmt::format("{} of {}", c.points, r.at == CurvaturePoints::surface ? "the extracted surface" : "the input"));
   const std::size_t none = c.points - c.determined;
-  text += line("undetermined", fmt::format("{} ({}), {:.2g} % of the area", none, share(none, c.points), c.area > 0 ? 100 * (1 - c.determined_area / c.area) : 0.0));
+  std::string undetermined = fmt::format("{} ({})", none, share(none, c.points));
+  if (c.determined_area) undetermined += fmt::format(", {} of the area", percent(c.area > 0 ? 100 * (1 - *c.determined_area / c.area) : 0.0));
+  text += line("undetermined", undetermined);
   if (c.lower_order > 0) text += line("of lower order", fmt::format("{} ({})", c.lower_order, share(c.lower_order, c.points)));
   return text;
 }
@@ -65,8 +69,13 @@ std::string curvature_summary(const CurvatureResult& r, double seconds) {
   text += points_lines(r);
   text += spread_head() + spread_line("mean", c.mean);
   if (c.gaussian) text += spread_line("k1 k2", *c.gaussian) + spread_line("k1", *c.k1) + spread_line("k2", *c.k2);
-  text += '\n' + line("integral of mean", fmt::format("{:.6g} over {:.6g} of area", c.mean_integral, c.determined_area));
-  if (c.gaussian_integral) text += gaussian_line(c) + radius_line("smallest convex r", c.convex) + radius_line("smallest concave r", c.concave);
+  text += '\n';
+  if (c.mean_integral)
+    text += line("integral of mean", fmt::format("{:.6g} over {:.6g} of area", *c.mean_integral, *c.determined_area));
+  else
+    text += line("percentiles", "and averages are of points, all weighing the same");
+  if (c.gaussian_integral) text += gaussian_line(c);
+  if (c.gaussian) text += radius_line("smallest convex r", c.convex) + radius_line("smallest concave r", c.concave);
   if (r.check)
     text += line("checked by fits", fmt::format("{} points: median {:.2g}, rms {:.2g}, max {:.2g} of rms {:.3g}", r.check->points, r.check->median, r.check->rms,
                                                 r.check->max, r.check->rms_curvature));

@@ -6,6 +6,8 @@
 #include <optional>
 #include <vector>
 
+#include "percent.h"
+
 namespace burnish {
 namespace {
 
@@ -34,7 +36,7 @@ std::string redistancing_lines(const FieldRedistancing& r) {
 }
 
 std::string volume_line(const FieldVolume& v) {
-  const std::string shift = v.prepared != 0 ? fmt::format(" ({:+.2g} %)", 100 * (v.level_set / v.prepared - 1)) : "";
+  const std::string shift = v.prepared != 0 ? fmt::format(" ({})", percent(100 * (v.level_set / v.prepared - 1), true)) : "";
   return line("volume", fmt::format("{:.6g} of {:.6g}{}", v.level_set, v.prepared, shift));
 }
 

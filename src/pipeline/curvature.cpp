@@ -15,6 +15,8 @@
 #include "burnish/io/point_data.h"
 #include "burnish/levelset/redistance.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/surface/compare.h"
+#include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
 #include "curvature_summary.h"
 #include "level_set_gear.h"
@@ -27,7 +29,13 @@ namespace {
 
 constexpr double kCellsPerEdge = 0.5;  // of the input: where edges are longer, unsmoothed curvature is that of single edges
 constexpr double kManyUndetermined = 0.02;
+constexpr double kMostUndetermined = 0.05;  // where more is missing, so is what an integral would be judged by
 constexpr double kFarOff = 0.1;        // of a ball's integral of Gaussian curvature
+constexpr double kLossCells = 1.5;     // and half the smoothing length: components all of whose points are farther from the surface are lost
+constexpr int kMostProjections = 12;
+constexpr double kProjected = 0.1;     // cells: from here front_curvature finds the foot
+constexpr double kUnprojected = 1;     // cells: where no steps come nearer, there is no surface within reach
+constexpr double kFlattest = 0.5;      // |grad phi|: on ridges of the distance steps are not to be trusted
 constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
 // The points that facets use, and the facets, renumbered.
@@ -43,6 +51,19 @@ TriangleSoup compacted(const TriangleSoup& soup) {
       p = place[p];
     }
   return result;
+}
+
+// [T-GAUSS-1] The point (in lattice units) moved to the surface along phi; where it comes to rest off it, there is none near.
+Vec3 projected(const LevelSet& set, Vec3 x) {
+  const auto phi = [&](const Vec3& p) { return sample(set.octree(), set.phi, p.x, p.y, p.z); };
+  for (int step = 0; step < kMostProjections; ++step) {
+    const double value = phi(x);
+    if (std::abs(value) < kProjected) break;
+    const Vec3 g{phi(x + Vec3{0.5, 0, 0}) - phi(x - Vec3{0.5, 0, 0}), phi(x + Vec3{0, 0.5, 0}) - phi(x - Vec3{0, 0.5, 0}),
+                 phi(x + Vec3{0, 0, 0.5}) - phi(x - Vec3{0, 0, 0.5})};
+    x -= g * (value / std::max(squared_norm(g), kFlattest * kFlattest));
+  }
+  return x;
 }
 
 // One run: the stages write into the result as they go.
@@ -69,6 +90,7 @@ class CurvatureRun {
       if (report_.options.smooth > 0) smooth();
       find_surface();
       if (!surface_.facets.empty()) {
+        tell_losses();
         measure();
         if (file_) write();
       }
@@ -112,15 +134,21 @@ class CurvatureRun {
     RedistanceOptions options;
     options.method = report_.options.redistance;
     options.reach = built_.level_set.band;
+    // The input's vertices have to find the surface from where it was.
+    if (job_.at == CurvaturePoints::vertices) options.reach += room_for_smoothing(report_.options.smooth / report_.options.cell);
+    reach_ = options.reach;
     redistance(built_.level_set, options, progress_);
   }
 
   // In lattice units.
   void find_surface() {
     begin("extracting");
-    surface_ = job_.at == CurvaturePoints::surface ? extract_surface(built_.level_set, {}, progress_).soup : facets_on_surface();
-    if (job_.at == CurvaturePoints::surface) report_.actions.debris_dropped = leave_out_debris(surface_, prepared_, built_.level_set.frame);
-    surface_ = compacted(surface_);
+    extracted_ = extract_surface(built_.level_set, {}, progress_).soup;
+    const std::size_t debris = leave_out_debris(extracted_, prepared_, built_.level_set.frame);
+    if (debris > 0 && job_.at == CurvaturePoints::surface)
+      report_.warnings.push_back(fmt::format("{} small pieces that stand for no component of the input were left out", debris));
+    extracted_ = compacted(extracted_);
+    if (!extracted_.facets.empty()) surface_ = job_.at == CurvaturePoints::surface ? extracted_ : compacted(facets_on_surface());
     if (surface_.facets.empty())
       report_.failure = Error(ErrorCode::guarantee_unmet, report_.options.smooth > 0 ? "no solid: smoothing left nothing of the model"
                                                                                     : "no solid: nothing of the input bounds a volume that cells of this size can hold",
@@ -135,16 +163,55 @@ class CurvatureRun {
     return to_lattice(soup, built_.level_set.frame);
   }
 
+  // What the input has and the surface has nothing of. Of a single component that surface is.
+  void tell_losses() {
+    if (report_.before.components < 2) return;
+    const ResolvedOptions& options = report_.options;
+    parallel_for(extracted_.points.size(), [&](std::size_t i) { extracted_.points[i] = built_.level_set.frame.to_model(extracted_.points[i]); });
+    const MissingComponents missing = missing_components(wanted(), TriangleIndex(extracted_), kLossCells * options.cell + 0.5 * options.smooth);
+    if (missing.count > 0)
+      report_.warnings.push_back(fmt::format("{} of the input's components ({:.3g} of area) are not in the surface, being thinner than a cell or smaller than "
+                                             "the smoothing length; the largest is at ({:.6g}, {:.6g}, {:.6g})",
+                                             missing.count, missing.area, missing.largest_at.x, missing.largest_at.y, missing.largest_at.z));
+  }
+
+  // The input without what preparation dropped, and what is inside.
+  TriangleSoup wanted() const {
+    std::vector<char> inside(input_.facets.size(), 0);
+    for (std::size_t f = 0; f < prepared_.source.size(); ++f) inside[prepared_.source[f]] = built_.roles[f] == FacetRole::interior;
+    TriangleSoup soup{input_.points, {}, {}};
+    for (std::size_t f = 0; f < input_.facets.size(); ++f)
+      if (prepared_.fates[f] == FacetFate::sheet || (prepared_.fates[f] == FacetFate::used && !inside[f])) soup.facets.push_back(input_.facets[f]);
+    return soup;
+  }
+
   void measure() {
     begin("curvatures");
     const LevelSet& set = built_.level_set;
     const bool mean_only = job_.method == CurvatureMethod::nodal;
-    at_ = mean_only ? interpolated_nodal() : front_curvature(set, surface_.points, job_.order, progress_);
+    starts_ = surface_.points;
+    if (job_.at == CurvaturePoints::vertices && report_.options.smooth > 0)
+      parallel_for(starts_.size(), [&](std::size_t i) { starts_[i] = projected(set, starts_[i]); });
+    at_ = mean_only ? interpolated_nodal() : front_curvature(set, starts_, job_.order, progress_);
+    const std::size_t far = leave_out_far();
     if (job_.check > 0) cross_check();
     parallel_for(surface_.points.size(), [&](std::size_t i) { surface_.points[i] = set.frame.to_model(surface_.points[i]); });
-    result_.curvature = summarize_curvature(surface_, at_, set.frame.cell, job_.order, mean_only);
+    result_.curvature = summarize_curvature(surface_, at_, set.frame.cell, job_.order, job_.at, mean_only);
     result_.curvature.mean_edge = report_.before.mean_edge;
-    warn();
+    warn(far);
+  }
+
+  // Of the vertices that could not be projected; how many.
+  std::size_t leave_out_far() {
+    if (job_.at == CurvaturePoints::surface || !(report_.options.smooth > 0)) return 0;
+    std::size_t far = 0;
+    for (std::size_t i = 0; i < starts_.size(); ++i) {
+      const Vec3& p = starts_[i];
+      if (std::abs(sample(built_.level_set.octree(), built_.level_set.phi, p.x, p.y, p.z)) < kUnprojected) continue;
+      at_[i].converged = false;
+      ++far;
+    }
+    return far;
   }
 
   // At points as evenly spread through the list as can be.
@@ -153,7 +220,7 @@ class CurvatureRun {
     const std::size_t all = surface_.points.size(), count = std::min(job_.check, all);
     std::vector<Vec3> points(count);
     std::vector<FrontCurvature> found(count);
-    for (std::size_t i = 0; i < count; ++i) points[i] = surface_.points[i * all / count], found[i] = at_[i * all / count];
+    for (std::size_t i = 0; i < count; ++i) points[i] = starts_[i * all / count], found[i] = at_[i * all / count];
     const std::vector<FrontCurvature> fitted = quadric_curvature(set, points, progress_);
     for (Vec3& p : points) p = set.frame.to_model(p);
     result_.check = compare_curvatures(points, found, fitted, set.frame.cell);
@@ -165,7 +232,7 @@ class CurvatureRun {
     const Field<float> sums = nodal_curvature(set, job_.order, progress_);
     std::vector<FrontCurvature> at(surface_.points.size());
     parallel_for(at.size(), [&](std::size_t i) {
-      const Vec3& p = surface_.points[i];
+      const Vec3& p = starts_[i];
       at[i].k1 = at[i].k2 = 0.5 * sample(set.octree(), sums, p.x, p.y, p.z);
       at[i].order = static_cast<int>(job_.order);
       at[i].converged = true;
@@ -173,17 +240,23 @@ class CurvatureRun {
     return at;
   }
 
-  void warn() {
+  void warn(std::size_t far) {
     const CurvatureSummary& c = result_.curvature;
     const double cells_per_edge = c.mean_edge / report_.options.cell;
     if (!(report_.options.smooth > 0) && cells_per_edge > kCellsPerEdge)
       report_.warnings.push_back(fmt::format("the surface is made of flat facets, {:.3g} cells per mean edge: its curvature sits on their edges; "
                                              "--smooth L, with L of a few edges ({:.3g}), gives that of the shape they stand for",
                                              cells_per_edge, 4 * c.mean_edge));
-    const double undetermined = c.area > 0 ? 1 - c.determined_area / c.area : 0;
+    if (far > 0)
+      report_.warnings.push_back(fmt::format("smoothing moved the surface away from {} of {} points, by {:.3g} or more, or left nothing of it there: they have no "
+                                             "curvature; a smaller --smooth keeps it nearer",
+                                             far, c.points, reach_ * report_.options.cell));
+    const double undetermined = c.determined_area ? (c.area > 0 ? 1 - *c.determined_area / c.area : 0)
+                                                  : static_cast<double>(c.points - c.determined - far) / static_cast<double>(c.points);
     if (undetermined > kManyUndetermined)
-      report_.warnings.push_back(fmt::format("{:.2g} % of the surface has no curvature: edges and corners, or details of the size of a cell", 100 * undetermined));
-    warn_of_integral();
+      report_.warnings.push_back(fmt::format("{:.3g} % of the {} no curvature: edges and corners, or details of the size of a cell", 100 * undetermined,
+                                             c.determined_area ? "surface has" : "points have"));
+    if (undetermined <= kMostUndetermined) warn_of_integral();
   }
 
   // [T-GAUSS-1] What is lost or found of the integral has been at edges.
@@ -261,7 +334,10 @@ class CurvatureRun {
   TriangleSoup input_;  // welded, otherwise as read
   PreparedInput prepared_;
   BuiltLevelSet built_;
-  TriangleSoup surface_;  // in lattice units, then in the model's
+  double reach_ = 0;           // cells from the smoothed surface to where phi is still a distance
+  TriangleSoup extracted_;     // the surface of the level set, as the next one
+  TriangleSoup surface_;       // whose points are looked at: in lattice units, then in the model's
+  std::vector<Vec3> starts_;   // these, or what they are projected to; in lattice units
   std::vector<FrontCurvature> at_;
 };
 

@@ -51,33 +51,40 @@ std::optional<std::int64_t> euler_characteristic(const TriangleSoup& surface, co
 
 }  // namespace
 
-CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<const FrontCurvature> at, double cell, CurvatureOrder order, bool mean_only) {
+CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<const FrontCurvature> at, double cell, CurvatureOrder order, CurvaturePoints points,
+                                     bool mean_only) {
   const std::vector<double> areas = areas_at_points(surface);
   CurvatureSummary summary;
   summary.points = at.size();
   summary.facets = surface.facets.size();
   summary.area = std::accumulate(areas.begin(), areas.end(), 0.0);
+  const bool integrates = points == CurvaturePoints::surface;
   std::vector<Weighted> mean, gaussian, k1, k2;
   const FrontCurvature *sharpest = nullptr, *hollowest = nullptr;
-  double gaussian_integral = 0;
+  double determined_area = 0, mean_integral = 0, gaussian_integral = 0;
   for (std::size_t p = 0; p < at.size(); ++p) {
     const FrontCurvature& c = at[p];
     if (!c.converged) continue;
+    const double weight = integrates ? areas[p] : 1;
     ++summary.determined;
     summary.lower_order += c.order < static_cast<int>(order);
-    summary.determined_area += areas[p];
-    mean.push_back({c.mean() / cell, areas[p]});
-    summary.mean_integral += areas[p] * mean.back().value;
+    determined_area += weight;
+    mean.push_back({c.mean() / cell, weight});
+    mean_integral += weight * mean.back().value;
     if (mean_only) continue;
-    gaussian.push_back({c.gaussian() / (cell * cell), areas[p]});
-    gaussian_integral += areas[p] * gaussian.back().value;
-    k1.push_back({c.k1 / cell, areas[p]});
-    k2.push_back({c.k2 / cell, areas[p]});
+    gaussian.push_back({c.gaussian() / (cell * cell), weight});
+    gaussian_integral += weight * gaussian.back().value;
+    k1.push_back({c.k1 / cell, weight});
+    k2.push_back({c.k2 / cell, weight});
     if (c.k1 > 0 && (sharpest == nullptr || c.k1 > sharpest->k1)) sharpest = &c;
     if (c.k2 < 0 && (hollowest == nullptr || c.k2 < hollowest->k2)) hollowest = &c;
   }
   summary.mean = spread_of(std::move(mean));
-  summary.euler_characteristic = euler_characteristic(surface, areas);
+  if (integrates) {
+    summary.determined_area = determined_area;
+    summary.mean_integral = mean_integral;
+    summary.euler_characteristic = euler_characteristic(surface, areas);
+  }
   if (mean_only) {
     summary.lower_order = 0;
     return summary;
@@ -85,7 +92,7 @@ CurvatureSummary summarize_curvature(const TriangleSoup& surface, std::span<cons
   summary.gaussian = spread_of(std::move(gaussian));
   summary.k1 = spread_of(std::move(k1));
   summary.k2 = spread_of(std::move(k2));
-  summary.gaussian_integral = gaussian_integral;
+  if (integrates) summary.gaussian_integral = gaussian_integral;
   const auto place = [&](const FrontCurvature* c) { return surface.points[static_cast<std::size_t>(c - at.data())]; };
   if (sharpest) summary.convex = {cell / sharpest->k1, place(sharpest)};
   if (hollowest) summary.concave = {-cell / hollowest->k2, place(hollowest)};

@@ -40,7 +40,7 @@ struct CurvatureJob {
   bool overwrite = false;  // an existing output may be replaced
 };
 
-// How values are spread over the surface: every point weighs a third of the area of its facets.
+// How values are spread: over the extracted surface every point weighs a third of the area of its facets; of the input's vertices all weigh the same.
 inline constexpr std::array<double, 5> kCurvaturePercentiles{1, 5, 50, 95, 99};
 struct CurvatureSpread {
   double min = 0, max = 0, mean = 0;
@@ -60,12 +60,13 @@ struct CurvatureSummary {
   std::size_t determined = 0;          // of them
   std::size_t lower_order = 0;         // of these, by stencils of a lower order than was asked for
   std::size_t facets = 0;
-  double area = 0, determined_area = 0;
+  double area = 0;                     // of these facets: with CurvaturePoints::vertices of the input's, whatever smoothing did
   CurvatureSpread mean;
-  double mean_integral = 0;            // of a convex body 2 pi times its mean width
+  // Not at the input's vertices: samples of a surface whose area theirs is not.
+  std::optional<double> determined_area, mean_integral;  // the integral is of a convex body 2 pi times its mean width
   // Not by the nodal method.
   std::optional<CurvatureSpread> gaussian, k1, k2;
-  std::optional<double> gaussian_integral;
+  std::optional<double> gaussian_integral;           // nor at the input's vertices
   std::optional<CurvatureRadius> convex, concave;  // the smallest ones; unset: nothing is
   std::optional<std::int64_t> euler_characteristic;  // of a closed surface: 2 pi times that is the integral of the Gaussian curvature (Gauss, Bonnet)
   double mean_edge = 0;                // of the input
@@ -106,7 +107,10 @@ struct CurvatureResult {
 };
 
 // Reads, inspects and prepares the input and builds its level set as `field` does, with a band as wide as curvatures need; smooths it if asked to, and
-// takes curvatures. The surface of facets is flat but for its edges: unsmoothed, curvatures are those of edges rounded within cells.
+// takes curvatures. The surface of facets is flat but for its edges: unsmoothed, curvatures are those of edges rounded within cells. The input's
+// vertices are projected to the surface first, however far smoothing has moved it within the room that it needs (room_for_smoothing).
+//
+// Warnings tell of components that the surface has nothing of, of points without a curvature, and of integrals that are far off.
 //
 // The file (io/point_data.h; docs/formats.md) holds the surface with mean_curvature, gaussian_curvature, k1, k2, direction1, direction2, normal and
 // converged at its points; in a .ply the mean curvature is called quality.
