@@ -29,7 +29,7 @@ TEST(CurvatureSummary, IntegralsConvergeWithSecondOrder) {
     const TriangleSoup surface = torus(48 << level, 24 << level);
     std::vector<FrontCurvature> at;
     for (const Vec3& p : surface.points) at.push_back(on_torus(p, 0.25));
-    const CurvatureSummary s = summarize_curvature(surface, at, 0.25, CurvatureOrder::fourth, false);
+    const CurvatureSummary s = summarize_curvature(surface, at, 0.25, CurvatureOrder::fourth, CurvaturePoints::surface, false);
     EXPECT_EQ(s.determined, surface.points.size());
     EXPECT_EQ(s.euler_characteristic, 0);
     EXPECT_NEAR(s.area, area(surface), 1e-12 * s.area);
@@ -37,7 +37,7 @@ TEST(CurvatureSummary, IntegralsConvergeWithSecondOrder) {
     EXPECT_NEAR(s.concave->radius, 0.6, 1e-12);
     EXPECT_NEAR(std::hypot(s.concave->position.x, s.concave->position.y), 0.6, 1e-12);
     EXPECT_NEAR(s.k1->p50(), 2.5, 1e-12);
-    mean_error[level] = std::abs(s.mean_integral - 2 * std::numbers::pi * std::numbers::pi);
+    mean_error[level] = std::abs(*s.mean_integral - 2 * std::numbers::pi * std::numbers::pi);
     gaussian_error[level] = std::abs(*s.gaussian_integral);
   }
   EXPECT_GT(mean_error[0] / mean_error[1], 3.5);
@@ -55,17 +55,17 @@ TEST(CurvatureSummary, LeavesOutWhatHasNoCurvature) {
     at[p].order = p % 3 == 1 ? 2 : 4;
     determined += at[p].converged;
   }
-  const CurvatureSummary s = summarize_curvature(surface, at, 1, CurvatureOrder::fourth, false);
+  const CurvatureSummary s = summarize_curvature(surface, at, 1, CurvatureOrder::fourth, CurvaturePoints::surface, false);
   EXPECT_EQ(s.determined, determined);
   EXPECT_EQ(s.lower_order, (at.size() + 1) / 3);
-  EXPECT_LT(s.determined_area, s.area);
+  EXPECT_LT(*s.determined_area, s.area);
   EXPECT_EQ(s.mean.max, 1);
-  EXPECT_NEAR(s.mean_integral, s.determined_area, 1e-12);
+  EXPECT_NEAR(*s.mean_integral, *s.determined_area, 1e-12);
   EXPECT_FALSE(s.concave);
   EXPECT_EQ(s.euler_characteristic, 2);
   // Without a facet there is no Euler characteristic; by the mean alone no principal curvatures.
-  EXPECT_FALSE(summarize_curvature(without_facets(surface, {0}), at, 1, CurvatureOrder::fourth, true).euler_characteristic);
-  EXPECT_FALSE(summarize_curvature(surface, at, 1, CurvatureOrder::fourth, true).k1);
+  EXPECT_FALSE(summarize_curvature(without_facets(surface, {0}), at, 1, CurvatureOrder::fourth, CurvaturePoints::surface, true).euler_characteristic);
+  EXPECT_FALSE(summarize_curvature(surface, at, 1, CurvatureOrder::fourth, CurvaturePoints::surface, true).k1);
 }
 
 // Many small facets have 1, a large one 2: it has ten times the area of all of them.
@@ -80,10 +80,20 @@ TEST(CurvatureSummary, PercentilesAreByArea) {
   };
   for (int i = 0; i < 90; ++i) add(1, 1);
   add(30, 2);  // 900 times the area of one of the others
-  const CurvatureSummary s = summarize_curvature(surface, at, 1, CurvatureOrder::second, false);
+  const CurvatureSummary s = summarize_curvature(surface, at, 1, CurvatureOrder::second, CurvaturePoints::surface, false);
   EXPECT_EQ(s.mean.percentiles[1], 1);  // 5 %
   EXPECT_EQ(s.mean.p50(), 2);
   EXPECT_NEAR(s.mean.mean, (90 + 2 * 900) / 990.0, 1e-12);
+}
+
+// The input's vertices are samples: each counts once, and nothing is integrated.
+TEST(CurvatureSummary, VerticesOfTheInputHaveNoIntegrals) {
+  const TriangleSoup surface = icosphere(1);
+  std::vector<FrontCurvature> at(surface.points.size());
+  for (std::size_t p = 0; p < at.size(); ++p) at[p].k1 = at[p].k2 = p == 0 ? 3 : 1, at[p].converged = true;
+  const CurvatureSummary s = summarize_curvature(surface, at, 1, CurvatureOrder::fourth, CurvaturePoints::vertices, false);
+  EXPECT_FALSE(s.mean_integral || s.gaussian_integral || s.determined_area || s.euler_characteristic);
+  EXPECT_NEAR(s.mean.mean, 1 + 2.0 / static_cast<double>(at.size()), 1e-12);
 }
 
 TEST(CompareCurvatures, LooksAtWhatBothHave) {
