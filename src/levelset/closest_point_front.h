@@ -6,6 +6,7 @@
 #include <cstring>
 #include <limits>
 
+#include "../octree/lattice_lookup.h"
 #include "burnish/octree/octree.h"
 #include "closest_point_kernel.h"
 
@@ -20,7 +21,7 @@ class FrontReader {
   // The neighbour in a direction, or the leaf itself.
   void read_same(int dir, const PublishedPoints<T>& from) {
     const auto [dx, dy, dz] = offset_of(dir);
-    const Range x = range(dx), y = range(dy), z = range(dz);
+    const Range x = halo_range(dx, 1), y = halo_range(dy, 1), z = halo_range(dz, 1);
     const unsigned wanted = dx == 0 ? 0xffu : dx < 0 ? 0x80u : 0x01u;
     for (int k = z.begin; k < z.end; ++k)
       for (int j = y.begin; j < y.end; ++j) {
@@ -71,11 +72,6 @@ class FrontReader {
   }
 
  private:
-  struct Range {
-    int begin, end;
-  };
-  static Range range(int d) { return d > 0 ? Range{kBlockSide, kBlockSide + 1} : d < 0 ? Range{-1, 0} : Range{0, kBlockSide}; }
-
   template <int count>
   void copy(const PublishedPoints<T>& from, std::size_t source, std::size_t to) {
     std::memcpy(&front_.x[to], &from.x[source], count * sizeof(T));
@@ -86,7 +82,7 @@ class FrontReader {
   template <class Visit>
   static void for_each(int dir, Visit&& visit) {
     const auto [dx, dy, dz] = offset_of(dir);
-    const Range x = range(dx), y = range(dy), z = range(dz);
+    const Range x = halo_range(dx, 1), y = halo_range(dy, 1), z = halo_range(dz, 1);
     for (int k = z.begin; k < z.end; ++k)
       for (int j = y.begin; j < y.end; ++j)
         for (int i = x.begin; i < x.end; ++i) visit(i, j, k);

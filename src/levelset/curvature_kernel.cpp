@@ -4,6 +4,7 @@
 #include <cstring>
 
 #include "kernel_rows.h"
+#include "lagrange.h"
 
 namespace burnish::detail {
 namespace {
@@ -23,17 +24,7 @@ template <int points>
 constexpr Basis<points - 1> lagrange_basis() {
   Basis<points - 1> basis;
   for (int i = 0; i < points; ++i) {
-    std::array<double, points> c{1};  // the product of (s - s_j) / (i - j), s_j = j - (points - 1) / 2
-    int degree = 0;
-    for (int j = 0; j < points; ++j) {
-      if (j == i) continue;
-      const double root = j - 0.5 * (points - 1);
-      ++degree;
-      for (int d = degree; d >= 0; --d) {
-        const auto dd = static_cast<std::size_t>(d);
-        c[dd] = ((d > 0 ? c[dd - 1] : 0) - root * c[dd]) / (i - j);
-      }
-    }
+    const std::array<double, points> c = lagrange_coefficients<points>(i, 0.5 * (points - 1));
     const auto lane = static_cast<std::size_t>(i);
     for (std::size_t d = 0; d < points; ++d) {
       basis.value[d][lane] = c[d];

@@ -279,7 +279,7 @@ class PdeRedistancer {
   bool is_active(std::uint32_t slot) const {
     if (is_below_limit(slot)) return true;
     for (int dir = 0; dir < kDirections; ++dir) {
-      if (dir == kSelf || tree_.neighbor_kind(leaves_[slot], dir) == NeighborKind::wall) continue;
+      if (dir == kSelf) continue;
       for (const std::uint32_t other : tree_.neighbors(leaves_[slot], dir))
         if (slot_[other] != kNone && is_below_limit(slot_[other])) return true;
     }
@@ -348,7 +348,7 @@ class PdeRedistancer {
       next.clear();
       for (const std::uint32_t slot : front)
         for (int dir = 0; dir < kDirections; ++dir) {
-          if (dir == kSelf || tree_.neighbor_kind(leaves_[slot], dir) == NeighborKind::wall) continue;
+          if (dir == kSelf) continue;
           for (const std::uint32_t other : tree_.neighbors(leaves_[slot], dir))
             if (slot_[other] != kNone && seen[slot_[other]] == 0) seen[slot_[other]] = 1, next.push_back(slot_[other]);
         }

@@ -6,33 +6,25 @@
 
 #include "burnish/core/vec.h"
 #include "kernel_rows.h"
+#include "lagrange.h"
 
 namespace burnish::detail {
 
 // Row p: the coefficients of t^p in the Lagrange polynomials of nodes -2, -1, 0, 1, 2, 3, and two lanes of zeros. [T-REDIST-5]
 constexpr std::array<std::array<double, kBlockSide>, 6> quintic_coefficients() {
   std::array<std::array<double, kBlockSide>, 6> table{};
-  for (int i = 0; i < 6; ++i) {
-    std::array<double, 6> product{1};
-    int degree = 0;
-    for (int j = 0; j < 6; ++j) {
-      if (j == i) continue;
-      // Times (t - (j - 2)) / (i - j).
-      for (int p = ++degree; p >= 0; --p) {
-        const auto at = static_cast<std::size_t>(p);
-        product[at] = ((p > 0 ? product[at - 1] : 0) - (j - 2) * product[at]) / (i - j);
-      }
-    }
-    for (std::size_t p = 0; p < 6; ++p) table[p][static_cast<std::size_t>(i)] = product[p];
+  for (std::size_t i = 0; i < 6; ++i) {
+    const std::array<double, 6> c = lagrange_coefficients<6>(static_cast<int>(i), 2);
+    for (std::size_t p = 0; p < 6; ++p) table[p][i] = c[p];
   }
   return table;
 }
 
-inline constexpr auto kQuintic = quintic_coefficients();
+inline constexpr auto kQuinticPolynomials = quintic_coefficients();
 
 BURNISH_INLINE Row quintic_weights(double t) {
-  Row weights = load(kQuintic[5].data());
-  for (std::size_t p = 5; p-- > 0;) weights = weights * t + load(kQuintic[p].data());
+  Row weights = load(kQuinticPolynomials[5].data());
+  for (std::size_t p = 5; p-- > 0;) weights = weights * t + load(kQuinticPolynomials[p].data());
   return weights;
 }
 
