@@ -11,8 +11,8 @@
 #include "local_gear.h"
 #include "losses.h"
 #include "prepare_input.h"
-#include "read_input.h"
 #include "resolve_options.h"
+#include "solid_run.h"
 
 namespace burnish {
 namespace {
@@ -21,16 +21,16 @@ constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local g
 constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
 
 // One run: the stages write into the report as they go.
-class Run {
+class Run : SolidRun {
  public:
-  Run(const CleanJob& job, Progress& progress) : job_(job), progress_(progress) { report_.input = job.input; }
+  Run(const CleanJob& job, Progress& progress) : SolidRun(job.input, progress), job_(job) {}
 
   RepairReport clean() {
-    read();
+    read(job_.salvage, job_.options);
     CleanedOutput output(job_.output, job_.overwrite);
     report_.output = job_.output;
     report_.output_format = name(output.format());
-    if (prepare()) {
+    if (prepare(job_.options)) {
       if (!repair_locally(output)) rebuild(output);
       publish(output);
     }
@@ -40,26 +40,6 @@ class Run {
   }
 
  private:
-  void begin(const char* stage) {
-    progress_.check();
-    clock_.begin(stage);
-    progress_.begin_stage(stage);
-  }
-
-  void read() {
-    begin("reading");
-    input_ = read_input(job_.input, job_.salvage, job_.options, report_);
-  }
-
-  // Inspects, orients and caps the input. False if it bounds no solid, and that was needed.
-  bool prepare() {
-    begin("inspecting");
-    inspection_ = inspect(input_, {}, progress_);
-    report_.before = inspection_.defects;
-    begin("preparing");
-    return prepare_solid(input_, inspection_, job_.options, prepared_, report_);
-  }
-
   // --- the local gear
 
   bool repair_locally(CleanedOutput& output) {
@@ -249,12 +229,6 @@ class Run {
   }
 
   const CleanJob& job_;
-  Progress& progress_;
-  StageClock clock_;
-  RepairReport report_;
-  TriangleSoup input_;  // welded, otherwise as read
-  Inspection inspection_;
-  PreparedInput prepared_;
   TriangleSoup result_;  // read back, welded
   std::vector<std::uint32_t> sources_;  // facets of the input behind those of the result, after a local repair
 };

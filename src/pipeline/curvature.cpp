@@ -21,8 +21,8 @@
 #include "curvature_summary.h"
 #include "level_set_gear.h"
 #include "prepare_input.h"
-#include "read_input.h"
 #include "resolve_options.h"
+#include "solid_run.h"
 
 namespace burnish {
 namespace {
@@ -67,14 +67,13 @@ Vec3 projected(const LevelSet& set, Vec3 x) {
 }
 
 // One run: the stages write into the result as they go.
-class CurvatureRun {
+class CurvatureRun : SolidRun {
  public:
-  CurvatureRun(const CurvatureJob& job, Progress& progress) : job_(job), progress_(progress) {
+  CurvatureRun(const CurvatureJob& job, Progress& progress) : SolidRun(job.input, progress), job_(job) {
     if (job.method == CurvatureMethod::nodal && job.check > 0)
       throw Error(ErrorCode::usage, "nodal curvatures have no k1 and k2 to be checked", "leave one of the two out");
     if (job.method == CurvatureMethod::nodal && job.order == CurvatureOrder::sixth)
       throw Error(ErrorCode::usage, "nodal curvatures are of order 2 or 4", "give --order 4, or leave --method out");
-    report_.input = job.input;
     result_.input = job.input;
     result_.order = job.order, result_.at = job.at, result_.method = job.method;
     result_.output.file = job.output;
@@ -85,7 +84,8 @@ class CurvatureRun {
   }
 
   CurvatureResult run() {
-    if (prepare()) {
+    read(job_.salvage, job_.options);
+    if (prepare(job_.options)) {
       build();
       if (report_.options.smooth > 0) smooth();
       find_surface();
@@ -99,22 +99,6 @@ class CurvatureRun {
   }
 
  private:
-  void begin(const char* stage) {
-    progress_.check();
-    clock_.begin(stage);
-    progress_.begin_stage(stage);
-  }
-
-  bool prepare() {
-    begin("reading");
-    input_ = read_input(job_.input, job_.salvage, job_.options, report_);
-    begin("inspecting");
-    const Inspection inspection = inspect(input_, {}, progress_);
-    report_.before = inspection.defects;
-    begin("preparing");
-    return prepare_solid(input_, inspection, job_.options, prepared_, report_);
-  }
-
   void build() {
     begin("distances and signs");
     if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
@@ -325,14 +309,9 @@ class CurvatureRun {
   }
 
   const CurvatureJob& job_;
-  Progress& progress_;
   MarkedFormat format_ = MarkedFormat::vtp;
   std::optional<OutputFile> file_;
-  StageClock clock_;
-  RepairReport report_;  // what preparation and smoothing tell
   CurvatureResult result_;
-  TriangleSoup input_;  // welded, otherwise as read
-  PreparedInput prepared_;
   BuiltLevelSet built_;
   double reach_ = 0;           // cells from the smoothed surface to where phi is still a distance
   TriangleSoup extracted_;     // the surface of the level set, as the next one

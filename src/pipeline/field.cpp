@@ -12,8 +12,8 @@
 #include "level_set_gear.h"
 #include "octree_cells.h"
 #include "prepare_input.h"
-#include "read_input.h"
 #include "resolve_options.h"
+#include "solid_run.h"
 
 namespace burnish {
 namespace {
@@ -21,19 +21,19 @@ namespace {
 double cubed(double a) { return a * a * a; }
 
 // One run: the stages write into the result as they go.
-class FieldRun {
+class FieldRun : SolidRun {
  public:
-  FieldRun(const FieldJob& job, Progress& progress) : job_(job), progress_(progress), output_(job.output, job.overwrite) {
+  FieldRun(const FieldJob& job, Progress& progress) : SolidRun(job.input, progress), job_(job), output_(job.output, job.overwrite) {
     if (job.band < least_band(job))
       throw Error(ErrorCode::usage, fmt::format("a band of {:g} cells is less than the {:g} that ACCEPTED cells need", job.band, least_band(job)),
                   "give a wider one, or leave it out");
-    report_.input = job.input;
     result_.input = job.input;
     result_.band = job.band;
   }
 
   FieldResult run() {
-    if (prepare()) {
+    read(job_.salvage, job_.options);
+    if (prepare(job_.options)) {
       build();
       if (job_.redistance) redistance_from_exact();
       measure();
@@ -44,22 +44,6 @@ class FieldRun {
   }
 
  private:
-  void begin(const std::string& stage) {
-    progress_.check();
-    clock_.begin(stage);
-    progress_.begin_stage(stage);
-  }
-
-  bool prepare() {
-    begin("reading");
-    input_ = read_input(job_.input, job_.salvage, job_.options, report_);
-    begin("inspecting");
-    const Inspection inspection = inspect(input_, {}, progress_);
-    report_.before = inspection.defects;
-    begin("preparing");
-    return prepare_solid(input_, inspection, job_.options, prepared_, report_);
-  }
-
   // What decides on the octree stands here and nowhere else.
   void build() {
     begin("distances and signs");
@@ -169,13 +153,8 @@ class FieldRun {
   }
 
   const FieldJob& job_;
-  Progress& progress_;
   FieldOutput output_;
-  StageClock clock_;
-  RepairReport report_;  // what preparation tells
   FieldResult result_;
-  TriangleSoup input_;  // welded, otherwise as read
-  PreparedInput prepared_;
   BuiltLevelSet built_;
   // Where others are recomputed: nodes that keep exact distances; of each cell, if they are to be written, whether it is one of those.
   Field<std::uint8_t> accepted_, marks_;

@@ -1,0 +1,26 @@
+#include "solid_run.h"
+
+#include "read_input.h"
+
+namespace burnish {
+
+void SolidRun::begin(const std::string& stage) {
+  progress_.check();
+  clock_.begin(stage);
+  progress_.begin_stage(stage);
+}
+
+void SolidRun::read(bool salvage, const CleanOptions& options) {
+  begin("reading");
+  input_ = read_input(report_.input, salvage, options, report_);
+}
+
+bool SolidRun::prepare(const CleanOptions& options) {
+  begin("inspecting");
+  inspection_ = inspect(input_, {}, progress_);
+  report_.before = inspection_.defects;
+  begin("preparing");
+  return prepare_solid(input_, inspection_, options, prepared_, report_);
+}
+
+}  // namespace burnish

@@ -1,0 +1,32 @@
+// What every run that needs a solid begins with, and what its stages write into as they go.
+#pragma once
+
+#include <string>
+
+#include "burnish/core/timer.h"
+#include "burnish/pipeline/options.h"
+#include "burnish/pipeline/report.h"
+#include "burnish/surface/inspect.h"
+#include "prepare_input.h"
+
+namespace burnish {
+
+class SolidRun {
+ protected:
+  SolidRun(const std::string& input, Progress& progress) : progress_(progress) { report_.input = input; }
+
+  // The next stage: may be interrupted, is timed and told.
+  void begin(const std::string& stage);
+  void read(bool salvage, const CleanOptions& options);
+  // Inspects, orients and caps the input. False if it bounds no solid, and that was needed: report_.failure says why.
+  bool prepare(const CleanOptions& options);
+
+  Progress& progress_;
+  StageClock clock_;
+  RepairReport report_;  // also what preparation tells other runs than repairs
+  TriangleSoup input_;   // welded, otherwise as read
+  Inspection inspection_;
+  PreparedInput prepared_;
+};
+
+}  // namespace burnish
