@@ -44,7 +44,7 @@ class FrontReader {
       const int x = 2 * i - at[0], y = 2 * j - at[1], z = 2 * k - at[2];
       if (((x | y | z) & ~(kBlockSide - 1)) != 0) return;
       const std::size_t n = node_index(x, y, z);
-      if (from.nodes[n / kBlockSide] >> (n % kBlockSide) & 1) set(i, j, k, from.x[n] / 2, from.y[n] / 2, from.z[n] / 2);
+      if (has(from.nodes, n)) set(i, j, k, from.x[n] / 2, from.y[n] / 2, from.z[n] / 2);
     });
   }
 
@@ -61,7 +61,7 @@ class FrontReader {
         const int x = (q[0] >> 1) + cx, y = (q[1] >> 1) + cy, z = (q[2] >> 1) + cz;
         if (((x | y | z) & ~(kBlockSide - 1)) != 0) continue;
         const std::size_t n = node_index(x, y, z);
-        if (!(from.nodes[n / kBlockSide] >> (n % kBlockSide) & 1)) continue;
+        if (!has(from.nodes, n)) continue;
         const std::array<T, 3> d{2 * from.x[n] + static_cast<T>(2 * x - q[0]), 2 * from.y[n] + static_cast<T>(2 * y - q[1]),
                                  2 * from.z[n] + static_cast<T>(2 * z - q[2])};
         const T d2 = d[0] * d[0] + (d[1] * d[1] + d[2] * d[2]);

@@ -175,22 +175,18 @@ BURNISH_INLINE Foot seed_node(const Surroundings<T>& around, int i, int j, int k
 }
 
 template <class Visit>
-BURNISH_INLINE void for_each_bit(const BlockBits& bits, Visit&& visit) {
+BURNISH_INLINE void for_each_bit(const NodeBits& bits, Visit&& visit) {
   for (int row = 0; row < kRowsOfBlock; ++row)
     for (unsigned left = bits[static_cast<std::size_t>(row)]; left != 0; left &= left - 1)
       visit(std::countr_zero(left), row % kBlockSide, row / kBlockSide);
 }
 
-BURNISH_INLINE void set_bit(BlockBits& bits, int i, int j, int k) {
-  bits[static_cast<std::size_t>(j + kBlockSide * k)] |= static_cast<std::uint8_t>(1u << i);
-}
-
 template <class T>
-BURNISH_INLINE void seed_block(const Surroundings<T>& around, const BlockBits& beside, ClosestPoints<T>& points, BlockBits& exact) {
+BURNISH_INLINE void seed_block(const Surroundings<T>& around, const NodeBits& beside, ClosestPoints<T>& points, NodeBits& exact) {
   for_each_bit(beside, [&](int i, int j, int k) __attribute__((always_inline)) {
     const Foot foot = seed_node(around, i, j, k);
     put(points, node_index(i, j, k), foot.offset, foot.found);
-    if (foot.found) set_bit(exact, i, j, k);
+    if (foot.found) add(exact, node_index(i, j, k));
   });
 }
 
@@ -213,20 +209,20 @@ BURNISH_INLINE void refine_distant(const Surroundings<T>& around, DistantNode& n
 
 template <class T>
 BURNISH_INLINE void refine_block(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points,
-                                 BlockBits& exact) {
+                                 NodeBits& exact) {
   const double limit = (reach + 0.25) * (reach + 0.25);
   for (int row = 0; row < kRowsOfBlock; ++row)
     for (int i = 0; i < kBlockSide; ++i) {
       const int j = row % kBlockSide, k = row / kBlockSide;
       const std::size_t n = node_index(i, j, k);
-      if (points.bound[n] > limit || ((exact[static_cast<std::size_t>(row)] >> i) & 1) != 0) continue;
+      if (points.bound[n] > limit || has(exact, n)) continue;
       const Vec3 x{double(i), double(j), double(k)}, d{points.x[n], points.y[n], points.z[n]}, y = x + d;
       if (((octants >> direction(octant_of(y.x), octant_of(y.y), octant_of(y.z))) & 1) == 0) continue;
       const double sign = around.phi[place_of(around, i, j, k)] >= 0 ? 1 : -1;
       const Foot foot = refined(around, x, d, sign, kRefineMove);
       if (!foot.found) continue;
       put(points, n, foot.offset, true);
-      set_bit(exact, i, j, k);
+      add(exact, n);
     }
 }
 
@@ -281,7 +277,7 @@ BURNISH_INLINE T least_of(const Row<T>& row) {
 }
 
 template <class T>
-BURNISH_INLINE BlockBits beside_surface_in(const Surroundings<T>& around) {
+BURNISH_INLINE NodeBits beside_surface_in(const Surroundings<T>& around) {
   constexpr int side = kBlockSide + 2;
   std::array<std::uint16_t, std::size_t{side} * side> negative;  // ten bits, of nodes -1 to 8
   for (int k = -1; k <= kBlockSide; ++k)
@@ -291,7 +287,7 @@ BURNISH_INLINE BlockBits beside_surface_in(const Surroundings<T>& around) {
       negative[static_cast<std::size_t>((j + 1) + side * (k + 1))] =
           static_cast<std::uint16_t>(low | unsigned{row[8] < T{0}} << 8 | unsigned{row[9] < T{0}} << 9);
     }
-  BlockBits beside;
+  NodeBits beside;
   for (int k = 0; k < kBlockSide; ++k)
     for (int j = 0; j < kBlockSide; ++j) {
       unsigned some = 0, all = ~0u;
@@ -309,7 +305,7 @@ BURNISH_INLINE BlockBits beside_surface_in(const Surroundings<T>& around) {
 }
 
 template <class T>
-BURNISH_INLINE T publish_block(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out) {
+BURNISH_INLINE T publish_block(const ClosestPoints<T>& points, double radius, NodeBits& open, PublishedPoints<T>& out) {
   const T r2 = static_cast<T>(radius * radius), infinite = std::numeric_limits<T>::infinity();
   Row<T> least = Row<T>{} + infinite;
   for (std::size_t row = 0; row < kRowsOfBlock; ++row) {
@@ -355,7 +351,7 @@ struct Best {
 };
 
 template <class T>
-BURNISH_INLINE T spread_block(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {
+BURNISH_INLINE T spread_block(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, NodeBits& open, NodeBits& exact) {
   const Row<T> infinite = Row<T>{} + std::numeric_limits<T>::infinity(), low = Row<T>{} + static_cast<T>(settled * settled);
   Row<T> least = infinite;
   for (int k = 0; k < kBlockSide; ++k)
@@ -389,16 +385,16 @@ BURNISH_INLINE T spread_block(const FrontPoints<T>& front, double settled, Close
 
 #define BURNISH_INSTANTIATE(T)                                                                                                           \
   template <>                                                                                                                            \
-  BURNISH_DISPATCH BlockBits beside_surface(const Surroundings<T>& around) {                                                             \
+  BURNISH_DISPATCH NodeBits beside_surface(const Surroundings<T>& around) {                                                             \
     return beside_surface_in(around);                                                                                                    \
   }                                                                                                                                      \
   template <>                                                                                                                            \
-  BURNISH_DISPATCH void seed(const Surroundings<T>& around, const BlockBits& beside, ClosestPoints<T>& points, BlockBits& exact) {       \
+  BURNISH_DISPATCH void seed(const Surroundings<T>& around, const NodeBits& beside, ClosestPoints<T>& points, NodeBits& exact) {       \
     seed_block(around, beside, points, exact);                                                                                           \
   }                                                                                                                                      \
   template <>                                                                                                                            \
   BURNISH_DISPATCH void refine(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points,             \
-                               BlockBits& exact) {                                                                                       \
+                               NodeBits& exact) {                                                                                       \
     refine_block(around, reach, octants, points, exact);                                                                                 \
   }                                                                                                                                      \
   template <>                                                                                                                            \
@@ -406,11 +402,11 @@ BURNISH_INLINE T spread_block(const FrontPoints<T>& front, double settled, Close
     refine_distant(around, node);                                                                                                        \
   }                                                                                                                                      \
   template <>                                                                                                                            \
-  BURNISH_DISPATCH T publish(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out) {                  \
+  BURNISH_DISPATCH T publish(const ClosestPoints<T>& points, double radius, NodeBits& open, PublishedPoints<T>& out) {                  \
     return publish_block(points, radius, open, out);                                                                                     \
   }                                                                                                                                      \
   template <>                                                                                                                            \
-  BURNISH_DISPATCH T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact) {  \
+  BURNISH_DISPATCH T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, NodeBits& open, NodeBits& exact) {  \
     return spread_block(front, settled, points, open, exact);                                                                            \
   }
 

@@ -9,11 +9,9 @@
 
 #include "burnish/core/vec.h"
 #include "burnish/octree/field.h"
+#include "node_bits.h"
 
 namespace burnish::detail {
-
-// A bit per node: bit i of byte j + 8 k.
-using BlockBits = std::array<std::uint8_t, kBlockSide * kBlockSide>;
 
 inline constexpr double kSeedReach = 1.9;    // cells from a node beside the surface to its closest point; the diagonal is 1.73
 inline constexpr int kSeedHalo = 4;          // layers of phi that `seed` needs
@@ -37,17 +35,17 @@ struct Surroundings {
 
 // Whether some node of the block has a corner of its cells on the other side. Needs one layer.
 template <class T>
-BlockBits beside_surface(const Surroundings<T>& around);
+NodeBits beside_surface(const Surroundings<T>& around);
 
 // Closest points of the nodes `beside` the surface, by Newton's method on the tricubic interpolant, or at kinks by the crossings of
 // edges. [T-REDIST-1, T-REDIST-2] Nodes that Newton's method settled become `exact`.
 template <class T>
-void seed(const Surroundings<T>& around, const BlockBits& beside, ClosestPoints<T>& points, BlockBits& exact);
+void seed(const Surroundings<T>& around, const NodeBits& beside, ClosestPoints<T>& points, NodeBits& exact);
 
 // Newton's method for nodes within `reach` (<= kRefineReach) that have a closest point and are not exact, from that point. Its halo:
 // reach + 3 layers, at most kWidestHalo. Points in an octant, numbered as directions, whose bit is not in `octants` stay as they are. [T-REDIST-4]
 template <class T>
-void refine(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points, BlockBits& exact);
+void refine(const Surroundings<T>& around, double reach, std::uint32_t octants, ClosestPoints<T>& points, NodeBits& exact);
 
 // The same for one node anywhere whose closest point lies in the block: for feet in leaves finer than the node's.
 struct DistantNode {
@@ -62,7 +60,7 @@ void refine(const Surroundings<T>& around, DistantNode& node);
 template <class T>
 struct alignas(64) PublishedPoints {
   std::array<T, kBlockNodes> x, y, z;
-  BlockBits nodes;
+  NodeBits nodes;
 };
 
 // The closest point of a node, whose squared length in T decides which is nearer. Exact ones give way to those that are clearly nearer only.
@@ -77,7 +75,7 @@ void put(ClosestPoints<T>& points, std::size_t node, const Vec3& offset, bool is
 
 // Moves the `open` nodes whose bound is at most radius^2 to `out`. Returns the least bound of what stays open.
 template <class T>
-T publish(const ClosestPoints<T>& points, double radius, BlockBits& open, PublishedPoints<T>& out);
+T publish(const ClosestPoints<T>& points, double radius, NodeBits& open, PublishedPoints<T>& out);
 
 // Published points of a block and one layer around it; node (i, j, k) stands at (i + 1, j + 1, k + 1). x is infinite where there is none.
 inline constexpr int kFrontSide = kBlockSide + 2;
@@ -112,6 +110,6 @@ class FrontPoints {
 // Gives every node the best of its 26 neighbours' published points, if it is better than its own; such nodes become open. Nodes
 // whose bound is at most settled^2 keep theirs. Returns the least new bound, or infinity. [T-REDIST-3]
 template <class T>
-T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, BlockBits& open, BlockBits& exact);
+T spread(const FrontPoints<T>& front, double settled, ClosestPoints<T>& points, NodeBits& open, NodeBits& exact);
 
 }  // namespace burnish::detail

@@ -108,7 +108,7 @@ class ClosestPointMarch {
         if (!is_beside && !has_accepted) continue;
         gather_smooth(tree_, set_.phi, leaves_[slot], kSeedHalo, HaloOrder::quintic, phi.data());
         const Surroundings<T> around{phi.data(), kSeedHalo};
-        BlockBits seeds{};
+        NodeBits seeds{};
         if (is_beside) seeds = beside_surface(around);
         seed(around, seeds, points_[slot], exact_[slot]);
         if (has_accepted) seed_accepted(phi.data(), slot, seeds);
@@ -125,19 +125,17 @@ class ClosestPointMarch {
 
   // Accepted values stand for a surface also where no sign changes, as at sheets that fit between nodes: their closest points are as far
   // away as they say, down their slope. [T-REDIST-6]
-  void seed_accepted(const T* phi, std::size_t slot, BlockBits& seeds) {
+  void seed_accepted(const T* phi, std::size_t slot, NodeBits& seeds) {
     const std::uint8_t* accepted = options_.accepted->block(leaves_[slot]);
     const double cell = 1 << tree_.level(leaves_[slot]);
     for (std::size_t n = 0; n < kBlockNodes; ++n) {
-      std::uint8_t& row = seeds[n / kBlockSide];
-      const auto bit = static_cast<std::uint8_t>(1u << (n % kBlockSide));
-      if (accepted[n] == 0 || (row & bit) != 0) continue;
+      if (accepted[n] == 0 || has(seeds, n)) continue;
       const std::size_t i = n % 8, j = n / 8 % 8, k = n / 64;
       const Vec3 down = down_slope(phi + (i + kSeedHalo) + kSeedSide * ((j + kSeedHalo) + kSeedSide * (k + kSeedHalo)));
       const double slope = norm(down);
       if (!(slope > 0)) continue;
       put(points_[slot], n, down * (std::abs(static_cast<double>(phi_of(slot)[n])) / (cell * slope)), false);
-      row |= bit;
+      add(seeds, n);
     }
   }
 
@@ -159,9 +157,9 @@ class ClosestPointMarch {
   }
 
   // The nodes will be published once the radius has come to them.
-  void open(std::size_t slot, const BlockBits& nodes) {
+  void open(std::size_t slot, const NodeBits& nodes) {
     for (std::size_t n = 0; n < kBlockNodes; ++n)
-      if ((nodes[n / kBlockSide] >> (n % kBlockSide) & 1) != 0) least_open_[slot] = std::min(least_open_[slot], points_[slot].bound[n]);
+      if (has(nodes, n)) least_open_[slot] = std::min(least_open_[slot], points_[slot].bound[n]);
     for (std::size_t row = 0; row < nodes.size(); ++row) open_[slot][row] |= nodes[row];
   }
 
@@ -342,7 +340,7 @@ class ClosestPointMarch {
   }
 
   bool wants_refinement(std::size_t slot, std::size_t n, T limit) const {
-    return points_[slot].bound[n] < kInfinite && points_[slot].bound[n] <= limit && (exact_[slot][n / kBlockSide] >> (n % kBlockSide) & 1) == 0;
+    return points_[slot].bound[n] < kInfinite && points_[slot].bound[n] <= limit && !has(exact_[slot], n);
   }
   bool wants_refinement(std::size_t slot, T limit) const {
     for (std::size_t n = 0; n < kBlockNodes; ++n)
@@ -366,11 +364,11 @@ class ClosestPointMarch {
   }
 
   // Nodes whose better points the next march is to carry on.
-  BlockBits outermost(std::size_t slot, double reach) const {
-    BlockBits nodes = exact_[slot];
+  NodeBits outermost(std::size_t slot, double reach) const {
+    NodeBits nodes = exact_[slot];
     const T least = static_cast<T>((reach - kRebroadcast) * (reach - kRebroadcast));
     for (std::size_t n = 0; n < kBlockNodes; ++n)
-      if (points_[slot].bound[n] < least) nodes[n / kBlockSide] = static_cast<std::uint8_t>(nodes[n / kBlockSide] & ~(1u << (n % kBlockSide)));
+      if (points_[slot].bound[n] < least) remove(nodes, n);
     return nodes;
   }
 
@@ -405,7 +403,7 @@ class ClosestPointMarch {
   std::vector<std::uint32_t> leaves_;  // those that store values
   std::vector<std::uint32_t> slot_;    // leaf -> place among them
   LargeArray<ClosestPoints<T>> points_;
-  std::vector<BlockBits> open_, exact_;
+  std::vector<NodeBits> open_, exact_;
   std::vector<T> least_open_;
   LargeArray<PublishedPoints<T>> published_;
   std::vector<std::uint32_t> published_slots_, published_of_;

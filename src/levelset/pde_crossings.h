@@ -5,14 +5,10 @@
 #include <cstdint>
 #include <vector>
 
+#include "node_bits.h"
 #include "weno_kernel.h"
 
 namespace burnish::detail {
-
-// A bit per node of a block.
-using NodeBits = std::array<std::uint8_t, kBlockSide * kBlockSide>;
-inline bool has(const NodeBits& bits, std::size_t node) { return (bits[node / kBlockSide] >> (node % kBlockSide) & 1) != 0; }
-inline void add(NodeBits& bits, std::size_t node) { bits[node / kBlockSide] |= static_cast<std::uint8_t>(1 << node % kBlockSide); }
 
 // A node too close to the surface for steps in pseudo-time: its distance is computed at once, in own units, and stays.
 struct HeldNode {
