@@ -48,6 +48,10 @@ void Console::update(double fraction) {
 
 bool Console::cancelled() const { return stop_requested(); }
 
+void Console::stop_after(double seconds) { end_ = monotonic_seconds() + seconds; }
+
+bool Console::out_of_time() const { return end_ > 0 && monotonic_seconds() > end_; }
+
 void Console::end_stage() {
   const std::lock_guard lock(mutex_);
   if (stage_.empty()) return;

@@ -26,6 +26,10 @@ class Console : public Progress {
   void begin_stage(std::string_view name) override;
   void update(double fraction) override;
   bool cancelled() const override;
+  bool out_of_time() const override;
+
+  // From now on, the run may take this many seconds.
+  void stop_after(double seconds);
 
   // Ends the running stage's bar or line, if there is one: call before printing anything else.
   void end_stage();
@@ -42,6 +46,7 @@ class Console : public Progress {
   std::mutex mutex_;
   std::string stage_;
   double stage_start_ = 0;
+  double end_ = 0;  // when the run is out of time; 0: never
   std::atomic<double> next_draw_{0};
 };
 

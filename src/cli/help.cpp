@@ -40,6 +40,14 @@ std::string term_of(const Option& option) {
   return fmt::format("  {}{}{}{}", letter, option.name, option.value.empty() ? "" : " ", option.value);
 }
 
+// In the order in which the table names them first.
+std::vector<std::string_view> groups_of(const CommandLine& line) {
+  std::vector<std::string_view> groups;
+  for (const Option& option : line.options)
+    if (std::find(groups.begin(), groups.end(), option.group) == groups.end()) groups.push_back(option.group);
+  return groups;
+}
+
 }  // namespace
 
 std::string help_text(const CommandLine& line) {
@@ -51,11 +59,10 @@ std::string help_text(const CommandLine& line) {
   for (const Operand& operand : line.operands) {
     text += entry(fmt::format("  {}", operand.name), operand.help);
   }
-  std::string_view group;
-  for (const Option& option : line.options) {
-    if (option.group != group) text += fmt::format("\n{}:\n", option.group);
-    group = option.group;
-    text += entry(term_of(option), option.help);
+  for (const std::string_view group : groups_of(line)) {
+    text += fmt::format("\n{}:\n", group);
+    for (const Option& option : line.options)
+      if (option.group == group) text += entry(term_of(option), option.help);
   }
   if (!line.notes.empty()) text += fmt::format("\n{}", line.notes);
   return text;

@@ -86,6 +86,12 @@ double non_negative_number(const GivenValue& given) {
   return value;
 }
 
+double positive_number(const GivenValue& given) {
+  const double value = non_negative_number(given);
+  if (!(value > 0)) refuse(given, "expected a number greater than zero", "");
+  return value;
+}
+
 std::uint64_t byte_count(const GivenValue& given) {
   const auto bytes = parse_bytes(given.text);
   if (!bytes) refuse(given, "not an amount of memory", "write it as 800M or 4G");

@@ -33,6 +33,8 @@ RedistanceMethod redistance_method(const GivenValue& given);
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most);
 // A finite number that is not negative.
 double non_negative_number(const GivenValue& given);
+// A finite number above zero.
+double positive_number(const GivenValue& given);
 // A number of bytes such as 800M or 4G.
 std::uint64_t byte_count(const GivenValue& given);
 

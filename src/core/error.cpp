@@ -10,13 +10,14 @@ struct Row {
   std::string_view name;
 };
 
-constexpr std::array<Row, 8> kTable{{
+constexpr std::array<Row, 9> kTable{{
     {1, "answer_is_no"},
     {2, "usage"},
     {3, "unreadable_input"},
     {4, "unwritable_output"},
     {5, "guarantee_unmet"},
     {6, "memory_limit"},
+    {7, "time_limit"},
     {70, "bug"},
     {130, "interrupted"},
 }};

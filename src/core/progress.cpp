@@ -6,6 +6,7 @@ namespace burnish {
 
 void Progress::check() const {
   if (cancelled()) throw Error(ErrorCode::interrupted, "interrupted");
+  if (out_of_time()) throw Error(ErrorCode::time_limit, "the time limit is over", "nothing was written; allow more with --time-limit, or choose a larger --cell");
 }
 
 Progress& no_progress() {

@@ -7,11 +7,13 @@
 #include "burnish/surface/transfer.h"
 #include "burnish/surface/triangle_index.h"
 #include "cleaned_output.h"
+#include "denoised.h"
 #include "level_set_gear.h"
 #include "local_gear.h"
 #include "losses.h"
 #include "prepare_input.h"
 #include "resolve_options.h"
+#include "smoothing_plan.h"
 #include "solid_run.h"
 
 namespace burnish {
@@ -31,6 +33,7 @@ class Run : SolidRun {
     report_.output = job_.output;
     report_.output_format = name(output.format());
     if (prepare(job_.options)) {
+      plan();
       if (!repair_locally(output)) rebuild(output);
       publish(output);
     }
@@ -40,11 +43,22 @@ class Run : SolidRun {
   }
 
  private:
+  void plan() {
+    if (job_.options.smooths()) begin("estimating noise");
+    plan_ = plan_smoothing(job_.options, prepared_, report_);
+    options_ = with_plan(job_.options, plan_);
+  }
+
   // --- the local gear
 
+  double local_tolerance() const {
+    // Joining both sides of a gap moves them as far as was asked for.
+    return std::max(kLocalTolerance * report_.before.box.diagonal(), report_.options.gap.value_or(0));
+  }
+
   bool repair_locally(CleanedOutput& output) {
-    std::string why_not = reason_against_local(job_.options);
-    if (why_not.empty() && try_local(output, why_not)) return true;
+    std::string why_not = reason_against_local(job_.options, plan_.flows());
+    if (why_not.empty() && (plan_.denoises() ? try_denoised(output, why_not) : try_local(output, why_not))) return true;
     report_.method = name(Method::level_set);
     report_.method_reason = why_not;
     forget_attempt();
@@ -61,19 +75,10 @@ class Run : SolidRun {
   bool try_local(CleanedOutput& output, std::string& why_not) {
     begin("repairing locally");
     const bool fine = is_fine_as_it_is();
-    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, stores_float32(output.format()), report_, progress_, why_not);
-    if (!solution) return false;
-    begin("verifying");
-    inspect_result(output.write_and_read_back(solution->soup));
-    result_ = output.take_result();
-    if (!report_.verified) {
-      why_not = "its result is not valid once it is written";
-      return false;
-    }
+    std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, {.max_hole = {}, .float32 = stores_float32(output.format())}, report_, progress_, why_not);
+    if (!solution || !verify_local(output, *solution, why_not)) return false;
     begin("measuring");
-    // Joining both sides of a gap moves them as far as was asked for.
-    const double tolerance = std::max(kLocalTolerance * report_.before.box.diagonal(), report_.options.gap.value_or(0));
-    why_not = objection_to(*solution, result_, input_, prepared_, tolerance, report_);
+    why_not = objection_to(*solution, result_, input_, prepared_, local_tolerance(), report_);
     if (!why_not.empty()) return false;
     warn_of_losses({});
     sources_ = std::move(solution->source);
@@ -81,6 +86,43 @@ class Run : SolidRun {
     report_.method_reason = fine ? "the input is valid as it is" : report_.losses.empty() ? "what is broken could be mended where it is, and nothing is lost"
                                                                                         : "what is broken could be mended where it is";
     return true;
+  }
+
+  bool try_denoised(CleanedOutput& output, std::string& why_not) {
+    begin("smoothing");
+    std::optional<DenoisedSolution> solution =
+        solve_denoised(input_, prepared_, plan_, is_fine_as_it_is(), stores_float32(output.format()), local_tolerance(), report_, progress_, why_not);
+    if (!solution || !verify_local(output, solution->solution, why_not)) return false;
+    begin("measuring");
+    why_not = objection_to_mending(*solution, result_, local_tolerance() + report_.smoothing.max_moved, report_);
+    if (!why_not.empty()) return false;
+    measure_deviation(TriangleIndex(result_), {});
+    hold_deviation(solution->surface.before, kLocalTolerance * report_.options.deviation.value_or(0));
+    warn_of_losses({});
+    sources_ = std::move(solution->solution.source);
+    report_.method = name(Method::local);
+    report_.method_reason = "facets could be denoised where they are";
+    return true;
+  }
+
+  bool verify_local(CleanedOutput& output, const LocalSolution& solution, std::string& why_not) {
+    begin("verifying");
+    inspect_result(output.write_and_read_back(solution.soup));
+    result_ = output.take_result();
+    if (!report_.verified) why_not = "its result is not valid once it is written";
+    return report_.verified;
+  }
+
+  // The bound on the deviation is one from the surface before it was smoothed.
+  void hold_deviation(const TriangleSoup& repaired, double slack) {
+    if (!report_.options.deviation || plan_.mode == SmoothMode::automatic) return;
+    report_.smoothing.deviation = one_sided_distance(result_, TriangleIndex(repaired)).max;
+    const double bound = *report_.options.deviation;
+    if (report_.smoothing.deviation <= bound + slack) return;
+    report_.verified = false;
+    report_.failure = Error(ErrorCode::guarantee_unmet,
+                            fmt::format("the result is {:.4g} from the repaired surface, and --deviation allows {:.4g}", report_.smoothing.deviation, bound),
+                            "allow more, smooth less, or choose a smaller --cell; --allow-invalid writes the result as it is");
   }
 
   void inspect_result(const TriangleSoup& result) {
@@ -111,8 +153,10 @@ class Run : SolidRun {
 
   void rebuild(CleanedOutput& output) {
     begin("distances and signs");
-    if (report_.options.max_hole) close_sheet(prepared_, job_.options, report_);
-    resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings);
+    if (report_.options.deviation || options_.deviation) surface_before_ = prepared_.capped.soup;
+    if (plan_.denoises()) denoise_prepared(prepared_, plan_, report_, progress_);
+    if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
+    resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
     const std::size_t warnings = report_.warnings.size();
     build_and_extract(output);
     if (!report_.failure || !report_.options.adapt || output.float_steps_too_coarse()) return;
@@ -127,11 +171,12 @@ class Run : SolidRun {
 
   void build_and_extract(CleanedOutput& output) {
     BuiltLevelSet built = build_level_set(prepared_, report_, progress_);
-    if (report_.options.smooth > 0) {
+    if (plan_.flows()) {
       begin("smoothing");
-      smooth_level_set(built.level_set, report_, progress_);
+      smooth_level_set(built.level_set, plan_, report_, progress_);
     }
-    if (report_.options.adapt && (report_.options.smooth > 0 || report_.options.thicken)) {
+    if (report_.options.moves_walls()) move_walls(built.level_set, report_.options);
+    if (report_.options.adapt && (plan_.flows() || report_.options.thicken || report_.options.moves_walls())) {
       begin("coarsening");
       coarsen_level_set(built.level_set, report_, progress_);
     }
@@ -158,16 +203,23 @@ class Run : SolidRun {
     result_ = output.take_result();
   }
 
+  // Samples of the input beyond options.far_beyond of the result are gathered.
+  std::vector<FarSample> measure_deviation(const TriangleIndex& result_index, const CompareOptions& options) {
+    report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
+    progress_.check();
+    std::vector<FarSample> far;
+    report_.deviation.input_to_output = one_sided_distance(input_, result_index, options, &far);
+    return far;
+  }
+
   void measure(const std::vector<FacetRole>& roles) {
     if (result_.facets.empty()) return;
     begin("measuring");
-    report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
-    progress_.check();
+    const ResolvedOptions& o = report_.options;
     const TriangleIndex result_index(result_);
-    const double limit = kLossCells * report_.options.cell + 0.5 * report_.options.smooth + 0.5 * report_.options.thicken.value_or(0) + 2 * report_.options.adapt.value_or(0);
-    std::vector<FarSample> far;
-    report_.deviation.input_to_output = one_sided_distance(input_, result_index, {.far_beyond = limit}, &far);
-    tell_losses(far, roles, result_index, limit);
+    const double limit = kLossCells * o.cell + 0.5 * o.smooth + 0.5 * o.thicken.value_or(0) + 2 * o.adapt.value_or(0) + report_.smoothing.max_moved + std::abs(o.offset.value_or(0));
+    tell_losses(measure_deviation(result_index, {.far_beyond = limit}), roles, result_index, limit);
+    if (!o.moves_walls()) hold_deviation(surface_before_, o.cell);
   }
 
   // Nothing is lost silently.
@@ -181,7 +233,7 @@ class Run : SolidRun {
       if (!report_.is_sheet && inside) return std::string(reason(FacetFate::absorbed));
       if (fate != FacetFate::used) return std::string(reason(fate));
       if (role(sample.facet) == FacetRole::unresolved) return "thinner than a cell";
-      return report_.options.smooth > 0 ? "smoothed away" : "not resolved";
+      return smooths() ? "smoothed away" : "not resolved";
     });
     // What was dropped, or lies inside, is missing on purpose.
     TriangleSoup wanted{input_.points, {}, {}};
@@ -193,10 +245,12 @@ class Run : SolidRun {
     for (ComponentFate& c : report_.components) {
       if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;
       c.fate = "lost";
-      c.reason = report_.options.smooth > 0 ? "thinner than a cell, or smoothed away" : "thinner than a cell";
+      c.reason = smooths() ? "thinner than a cell, or smoothed away" : "thinner than a cell";
     }
     warn_of_losses(missing);
   }
+
+  bool smooths() const { return plan_.mode != SmoothMode::automatic; }
 
   void warn_of_losses(const MissingComponents& missing) {
     report_.actions.area_lost = 0;
@@ -229,6 +283,9 @@ class Run : SolidRun {
   }
 
   const CleanJob& job_;
+  CleanOptions options_;  // the job's, with what was chosen for it
+  SmoothingPlan plan_;
+  TriangleSoup surface_before_;  // the level set's, before smoothing; where a bound on the deviation was given
   TriangleSoup result_;  // read back, welded
   std::vector<std::uint32_t> sources_;  // facets of the input behind those of the result, after a local repair
 };

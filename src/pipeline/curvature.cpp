@@ -114,7 +114,9 @@ class CurvatureRun : SolidRun {
   // The flow keeps distances as far as it needs them itself, and ends with a shift.
   void smooth() {
     begin("smoothing");
-    smooth_level_set(built_.level_set, report_, progress_);
+    SmoothingPlan plan;
+    plan.mode = SmoothMode::mcf;
+    smooth_level_set(built_.level_set, plan, report_, progress_);
     RedistanceOptions options;
     options.method = report_.options.redistance;
     options.reach = built_.level_set.band;

@@ -178,14 +178,19 @@ void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& prog
   tell_grid(level_set.octree(), report);
 }
 
-void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
+void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
   SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true, .redistance = options.redistance};
   if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
   const SmoothingResult done = smooth_by_flow(level_set, in_cells, progress);
   const double square = options.cell * options.cell;
-  report.smoothing = {options.smooth, done.flow.time * square, done.flow.steps, options.redistance, done.volume_before * square * options.cell,
-                      done.volume_after * square * options.cell};
+  SmoothingSummary& told = report.smoothing;
+  told.length = options.smooth;
+  told.flow_time = done.flow.time * square;
+  told.steps = done.flow.steps;
+  told.redistance = options.redistance;
+  told.volume_before = done.volume_before * square * options.cell;
+  told.volume_after = done.volume_after * square * options.cell;
   if (done.flow.unsteady > 0)
     report.warnings.push_back(fmt::format("redistancing by {} was not steady {} times: the surface may have moved with it; --redistance closest is exact and faster",
                                           name(options.redistance), done.flow.unsteady));

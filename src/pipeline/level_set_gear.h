@@ -9,6 +9,7 @@
 #include "burnish/pipeline/options.h"
 #include "burnish/pipeline/report.h"
 #include "prepare_input.h"
+#include "smoothing_plan.h"
 
 namespace burnish {
 
@@ -33,8 +34,11 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
 // Makes an octree with finest blocks only as coarse as report.options.adapt allows; tells report.grid.
 void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
 
-// Smooths as report.options say; tells report.smoothing and report.warnings.
-void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
+// Smooths as the plan and report.options say; tells report.smoothing and report.warnings.
+void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairReport& report, Progress& progress);
+
+// Moves the surface by report.options.offset, then leaves a wall of report.options.hollow of what it bounds.
+void move_walls(LevelSet& level_set, const ResolvedOptions& options);
 
 // Leaves out debris: small pieces of the extracted surface (lattice coordinates) that stand for no component of the
 // input. Returns how many. A component of the input keeps its piece, however small. [T-DEBRIS-1]

@@ -107,31 +107,6 @@ std::string objection_to_union(const std::vector<FarSample>& gone, const Prepare
   return nothing > kMostEnclosingNothing * area_before ? "too much of it encloses nothing" : "";
 }
 
-// Whether points all over the box are inside both or outside both, by winding numbers: up to a small share of those inside, and
-// `more` of them.
-bool is_same_solid(const PreparedInput& prepared, const TriangleSoup& result, double more) {
-  constexpr std::size_t kPoints = 4096;
-  constexpr double kMostDisagreeing = 0.005;  // of the points that are inside
-  const TriangleIndex before(prepared.capped.soup), after(result);
-  const Box3 box = bounding_box(prepared.capped.soup);
-  std::vector<char> in(kPoints), out(kPoints);
-  parallel_for(kPoints, [&](std::size_t i) {
-    // The R3 sequence (Roberts 2018).
-    const double t = static_cast<double>(i) + 1;
-    const auto part = [t](double step) { return t * step - std::floor(t * step); };
-    const Vec3 e = box.extent();
-    const Vec3 p = box.lower + Vec3{part(0.8191725133961645) * e.x, part(0.6710436067037893) * e.y, part(0.5497004779019703) * e.z};
-    in[i] = before.winding_number(p) > 0.5;
-    out[i] = after.winding_number(p) > 0.5;
-  }, 64);
-  std::size_t inside = 0, differ = 0;
-  for (std::size_t i = 0; i < kPoints; ++i) {
-    inside += in[i] || out[i];
-    differ += in[i] != out[i];
-  }
-  return static_cast<double>(differ) <= std::max(2.0, (kMostDisagreeing + more) * static_cast<double>(inside));
-}
-
 // The places where facets changed: sets of removed and added facets that share points.
 std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, const TriangleSoup& result) {
   TriangleSoup both;
@@ -175,9 +150,10 @@ std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, 
 
 }  // namespace
 
-std::string reason_against_local(const CleanOptions& options) {
+std::string reason_against_local(const CleanOptions& options, bool flows) {
   if (options.method == Method::level_set) return "asked for";
-  if (options.smooth.value > 0) return "smoothing was asked for";
+  if (flows) return "smoothing of the level set was asked for";
+  if (options.moves_walls()) return "a parallel surface was asked for";
   if (options.thicken) return "a thickness was asked for";
   if (options.method == Method::automatic && (options.cell || options.resolution || options.adapt)) return "a cell was asked for";
   return {};
@@ -189,10 +165,11 @@ LocalSolution unchanged(const TriangleSoup& welded) {
   return solution;
 }
 
-std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, bool float32, RepairReport& report, Progress& progress, std::string& refusal) {
+std::optional<LocalSolution> solve_locally(const TriangleSoup& welded, const PreparedInput& prepared, LocalRepairOptions options, RepairReport& report, Progress& progress,
+                                           std::string& refusal) {
   const std::vector<std::uint32_t> used = facets_in_use(prepared);
-  LocalRepairResult repaired =
-      repair_locally(picked(prepared.oriented, used), {.max_hole = report.options.max_hole, .float32 = float32}, progress);
+  options.max_hole = report.options.max_hole;
+  LocalRepairResult repaired = repair_locally(picked(prepared.oriented, used), options, progress);
   if (!repaired.refusal.empty()) {
     refusal = repaired.refusal;
     return std::nullopt;
@@ -246,11 +223,34 @@ std::string objection_to(const LocalSolution& solution, const TriangleSoup& resu
   }
   report.changes = changes_of(d, welded, result);
   const double filled_share = volume_of_fillings(report.holes) / std::max(std::abs(report.after.volume), 1e-300);
-  if (objection.empty() && solution.united && !is_same_solid(prepared, result, filled_share)) objection = "it would not be the solid that the facets enclose";
+  if (objection.empty() && solution.united && !is_same_solid(prepared.capped.soup, result, filled_share)) objection = "it would not be the solid that the facets enclose";
   const double volume = expected_volume(prepared), allowed = kVolumeTolerance * std::abs(volume) + volume_of_fillings(report.holes);
   if (objection.empty() && !solution.united && !report.is_sheet && !(std::abs(report.after.volume - volume) <= allowed))
     objection = fmt::format("its volume of {:.6g} would not be the {:.6g} that the facets enclose", report.after.volume, volume);
   return objection;
+}
+
+bool is_same_solid(const TriangleSoup& a, const TriangleSoup& b, double more) {
+  constexpr std::size_t kPoints = 4096;
+  constexpr double kMostDisagreeing = 0.005;  // of the points that are inside
+  const TriangleIndex before(a), after(b);
+  const Box3 box = bounding_box(a);
+  std::vector<char> in(kPoints), out(kPoints);
+  parallel_for(kPoints, [&](std::size_t i) {
+    // The R3 sequence (Roberts 2018).
+    const double t = static_cast<double>(i) + 1;
+    const auto part = [t](double step) { return t * step - std::floor(t * step); };
+    const Vec3 e = box.extent();
+    const Vec3 p = box.lower + Vec3{part(0.8191725133961645) * e.x, part(0.6710436067037893) * e.y, part(0.5497004779019703) * e.z};
+    in[i] = before.winding_number(p) > 0.5;
+    out[i] = after.winding_number(p) > 0.5;
+  }, 64);
+  std::size_t inside = 0, differ = 0;
+  for (std::size_t i = 0; i < kPoints; ++i) {
+    inside += in[i] || out[i];
+    differ += in[i] != out[i];
+  }
+  return static_cast<double>(differ) <= std::max(2.0, (kMostDisagreeing + more) * static_cast<double>(inside));
 }
 
 }  // namespace burnish

@@ -20,4 +20,16 @@ std::string_view name(Nesting nesting) {
   return "auto";
 }
 
+std::string_view name(SmoothMode mode) {
+  switch (mode) {
+    case SmoothMode::feature: return "feature";
+    case SmoothMode::volume: return "volume";
+    case SmoothMode::mcf: return "mcf";
+    case SmoothMode::filtered: return "filtered";
+    case SmoothMode::reinit: return "reinit";
+    case SmoothMode::automatic: break;
+  }
+  return "auto";
+}
+
 }  // namespace burnish

@@ -52,6 +52,12 @@ Json json_of(const ResolvedOptions& o) {
       {"cell_was_chosen", o.cell_was_chosen},
       {"cells_along_longest_side", o.cells_along_longest_side},
       {"smooth", o.smooth},
+      {"smooth_auto", o.smooth_auto},
+      {"keep_volume", o.keep_volume},
+      {"crease_angle", json_of(o.crease_angle)},
+      {"curvature_radius", json_of(o.curvature_radius)},
+      {"offset", json_of(o.offset)},
+      {"hollow", json_of(o.hollow)},
       {"deviation", json_of(o.deviation)},
       {"gap", json_of(o.gap)},
       {"max_hole", json_of(o.max_hole)},
@@ -124,8 +130,20 @@ Json json_of(const GridSummary& g) {
   };
 }
 
+Json json_of(const NoiseEstimate& n) {
+  return {{"sigma", n.sigma}, {"mean_edge", n.mean_edge}, {"correlation", n.correlation}, {"outlier_share", n.outlier_share}, {"crease_share", n.crease_share}};
+}
+
 Json json_of(const SmoothingSummary& s) {
+  const bool done = s.mode != SmoothMode::automatic;
   return {
+      {"mode", done ? Json(name(s.mode)) : Json()},
+      {"mode_reason", s.mode_reason},
+      {"noise", s.mode_reason.empty() ? Json() : json_of(s.noise)},
+      {"outliers", s.outliers},
+      {"rms_moved", s.rms_moved},
+      {"max_moved", s.max_moved},
+      {"deviation", s.deviation},
       {"length", s.length},
       {"flow_time", s.flow_time},
       {"steps", s.steps},

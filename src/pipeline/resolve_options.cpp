@@ -140,6 +140,14 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   resolved.gap = length(asked.gap);
   resolved.max_hole = asked.keep_openings ? std::optional(0.0) : length(asked.max_hole);
   resolved.thicken = length(asked.thicken);
+  resolved.smooth_auto = asked.smooth_auto;
+  resolved.mode = asked.mode;
+  resolved.keep_volume = asked.keep_volume;
+  resolved.crease_angle = asked.crease_angle;
+  resolved.curvature_radius = length(asked.curvature_radius);
+  resolved.offset = length(asked.offset);
+  if (resolved.offset && asked.offset_inwards) resolved.offset = -*resolved.offset;
+  resolved.hollow = length(asked.hollow);
   return resolved;
 }
 

@@ -114,7 +114,8 @@ LocalRepairResult repair(const TriangleSoup& oriented, const LocalRepairOptions&
   const PointTable known = points_of(oriented);
   Progressed state{as_it_is(oriented)};
   bool mended = !is_closed_chain(oriented) || !has_non_manifold_edges(oriented);
-  if (mended) state.take(mend(oriented, options, progress));
+  if (mended || !options.resolve_intersections) state.take(mend(oriented, options, progress));
+  if (!options.resolve_intersections) return std::move(state.result);
   for (int round = 0; round <= kUnionRounds; ++round) {
     if (options.float32 && state.round_new_points(known)) mended = false;
     const Pairs pairs = self_intersecting_pairs(state.result.soup, progress);

@@ -18,11 +18,12 @@ enum class ErrorCode {
   unwritable_output,   // the output exists, or cannot be written
   guarantee_unmet,     // the result could not be verified, or the input bounds no solid
   memory_limit,        // the memory budget does not allow the resolution asked for
+  time_limit,          // the run took longer than it may
   bug,                 // a broken invariant of Burnish itself
   interrupted,         // Ctrl-C
 };
 
-// The process exit code of an error: 1, 2, 3, 4, 5, 6, 70 or 130 in the order above; 0 is success.
+// The process exit code of an error: 1, 2, 3, 4, 5, 6, 7, 70 or 130 in the order above; 0 is success.
 int exit_code(ErrorCode code);
 // The name of an error as it stands in JSON reports, e.g. "unreadable_input".
 std::string_view name(ErrorCode code);

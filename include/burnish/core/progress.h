@@ -17,8 +17,22 @@ class Progress {
   // True once the user has asked to stop.
   virtual bool cancelled() const { return false; }
 
-  // Throws Error{interrupted} once the user has asked to stop. Stages call it every few milliseconds.
+  // True once the run has taken longer than it may.
+  virtual bool out_of_time() const { return false; }
+
+  // Throws Error{interrupted} once the user has asked to stop, Error{time_limit} once it is out of time. Stages call it every few milliseconds.
   void check() const;
+};
+
+// For a stage within another: it may be stopped, and reports no progress of its own.
+class QuietProgress : public Progress {
+ public:
+  explicit QuietProgress(const Progress& whole) : whole_(whole) {}
+  bool cancelled() const override { return whole_.cancelled(); }
+  bool out_of_time() const override { return whole_.out_of_time(); }
+
+ private:
+  const Progress& whole_;
 };
 
 // A Progress that reports to nobody, for calls that need none.

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <string_view>
 
 #include "burnish/core/length.h"
@@ -25,8 +26,19 @@ enum class Nesting {
   cavity,     // every second layer is a cavity, however it is oriented
 };
 
+// How a surface is smoothed.
+enum class SmoothMode {
+  automatic,  // `feature` where facets have neighbours and their noise is random; `volume` for what is rough otherwise
+  feature,    // normals filtered on the facets, points moved to them: sharp edges stay (surface/denoise.h)
+  volume,     // diffusion of the level set that shrinks nothing to first order
+  mcf,        // mean-curvature flow, the thesis' method
+  filtered,   // curvature against its own average: spheres are kept exactly
+  reinit,     // the thesis' excessive reinitialisation
+};
+
 std::string_view name(Method method);    // "auto", "local", "levelset"
 std::string_view name(Nesting nesting);  // "auto", "solid", "cavity"
+std::string_view name(SmoothMode mode);  // "auto", "feature", "volume", "mcf", "filtered", "reinit"
 
 // A volume in the model's units, or a share of the largest component's.
 struct VolumeLimit {
@@ -47,8 +59,19 @@ struct CleanOptions {
   // (8 times the finest when unset). Asks for the level set.
   std::optional<Length> adapt;
   std::optional<Length> cell_max;
-  // Wavelengths below this length are removed (attenuated tenfold or more). 0: no smoothing.
+  // Wavelengths below this length are removed (attenuated tenfold or more). 0: no smoothing, unless `smooth_auto`.
   Length smooth{};
+  // The noise is estimated and removed, and nothing else; a surface without noise is not smoothed.
+  bool smooth_auto = false;
+  SmoothMode mode = SmoothMode::automatic;
+  // The enclosed volume stays what it was.
+  bool keep_volume = true;
+  // Edges at which denoised facets meet at more than this angle stay sharp, in degrees. Unset: chosen from the noise.
+  std::optional<double> crease_angle;
+  // Only what is curved more than a sphere of this radius is smoothed.
+  std::optional<Length> curvature_radius;
+  // A file with boxes and spheres, or with a closed surface, to which smoothing is limited (io/region_file.h). Empty: everywhere.
+  std::string region;
   // Bound on the distance between the smoothed and the repaired surface. Unset: no bound.
   std::optional<Length> deviation;
   // What keeps the flow of `smooth` a distance function.
@@ -61,6 +84,11 @@ struct CleanOptions {
   bool keep_openings = false;
   // The result is a shell of this thickness about all facets.
   std::optional<Length> thicken;
+  // The surface is moved outwards by this much, inwards if `inwards`; asks for the level set.
+  std::optional<Length> offset;
+  bool offset_inwards = false;
+  // Only a wall of this thickness stays of the solid, inside its surface; asks for the level set.
+  std::optional<Length> hollow;
   // Only the component with the largest volume stays.
   bool keep_largest = false;
   // Components with less volume than this are dropped.
@@ -72,6 +100,9 @@ struct CleanOptions {
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
 
   bool keeps_openings() const { return keep_openings || max_hole; }
+  bool smooths() const { return smooth_auto || smooth.value > 0; }
+  // Whether a surface parallel to the model's is asked for.
+  bool moves_walls() const { return offset || hollow; }
 };
 
 // As resolved, in model units.
@@ -80,14 +111,23 @@ struct ResolvedOptions {
   double cells_along_longest_side = 0;
   std::optional<double> adapt;     // error of interpolation that is allowed in coarser cells; unset: all cells are finest
   int coarsest_level = 0;          // cells at the surface are at most 2^coarsest_level finest cells wide
-  double smooth = 0;
+  double smooth = 0;               // 0: no smoothing, or at the noise's own scale
+  bool smooth_auto = false;
+  SmoothMode mode = SmoothMode::automatic;  // never automatic once smoothing has begun
+  bool keep_volume = true;
+  std::optional<double> crease_angle;
+  std::optional<double> curvature_radius;
   std::optional<double> deviation;
+  std::optional<double> offset;    // negative: inwards
+  std::optional<double> hollow;
   RedistanceMethod redistance = RedistanceMethod::closest;
   std::optional<double> gap;
   std::optional<double> max_hole;  // openings wider than this stay; unset: none does
   std::optional<double> thicken;
   std::uint64_t memory_bytes = 0;
   bool cell_was_chosen = false;  // by default rule, not by the user
+
+  bool moves_walls() const { return offset || hollow; }
 };
 
 }  // namespace burnish

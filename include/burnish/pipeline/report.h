@@ -12,6 +12,7 @@
 #include "burnish/surface/compare.h"
 #include "burnish/surface/hole.h"
 #include "burnish/surface/inspect.h"
+#include "burnish/surface/noise.h"
 
 namespace burnish {
 
@@ -81,8 +82,16 @@ struct GridSummary {
   std::uint64_t bytes_planned = 0;   // the estimate that was held against the memory budget
 };
 
+// In model units and their powers.
 struct SmoothingSummary {
-  double length = 0;          // model units; 0: none was asked for
+  SmoothMode mode = SmoothMode::automatic;  // automatic: nothing was smoothed
+  std::string mode_reason;    // why that one; empty if no smoothing was asked for
+  NoiseEstimate noise;        // of the prepared input
+  std::size_t outliers = 0;   // points that were displaced by more than the noise allows, and were put back
+  double rms_moved = 0;       // of the surface along its normals
+  double max_moved = 0;       // of points of the facets; 0 for a level set
+  double deviation = 0;       // from the repaired surface to the result, the largest; measured if a bound was given
+  double length = 0;          // waves below it were removed; 0: what was noise
   double flow_time = 0;       // model units squared
   int steps = 0;
   RedistanceMethod redistance = RedistanceMethod::closest;  // what keeps the flow a distance function

@@ -26,6 +26,8 @@ struct LocalRepairOptions {
   std::optional<double> max_hole;
   // New points are rounded to float32, as the file will have them: what that breaks is mended here.
   bool float32 = false;
+  // Facets that intersect are cut, or cut out. Otherwise the result is a closed 2-manifold whose facets may intersect.
+  bool resolve_intersections = true;
 };
 
 struct LocalRepairResult {

@@ -1,0 +1,137 @@
+#include "clean_options.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <iterator>
+
+#include "burnish/core/error.h"
+#include "values.h"
+
+namespace burnish {
+namespace {
+
+void smoothing(const GivenValue& given, CleanOptions& options) {
+  options.smooth_auto = given.text == "auto";
+  if (!options.smooth_auto) options.smooth = positive_length(given);
+}
+
+// Degrees above 0 and below 180.
+double angle(const GivenValue& given) {
+  const double degrees = non_negative_number(given);
+  if (degrees > 0 && degrees < 180) return degrees;
+  throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle between 0 and 180 degrees", given.name, given.text));
+}
+
+void signed_offset(const GivenValue& given, CleanOptions& options) {
+  options.offset_inwards = given.text.starts_with('-');
+  const bool is_signed = options.offset_inwards || given.text.starts_with('+');
+  options.offset = length_without_cells({given.name, given.text.substr(is_signed ? 1 : 0)});
+}
+
+std::vector<Option> rows(CleanOptions& o) {
+  return {
+    {"--method", 0, "M", "Repair",
+     "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
+     [&o](const GivenValue& v) { o.method = one_of<Method>(v, {"auto", "local", "levelset"}); }},
+    {"--nested", 0, "N", "Repair",
+     "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
+     [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
+    {"--gap", 0, "L", "Repair", "Close cracks up to a width of L by joining the points on both sides.",
+     [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+    {"--recentre", 0, "", "Repair", "Move the model to the origin: for coordinates too large for an STL.",
+     switch_on(o.recentre)},
+    {"--max-hole", 0, "L", "Openings", "Close holes up to a diameter of L; wider openings stay.",
+     [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
+    {"--keep-openings", 0, "", "Openings", "Close no opening: terrain and one-sided scans stay open sheets.",
+     switch_on(o.keep_openings)},
+    {"--thicken", 0, "T", "Openings", "Make a shell of thickness T about the surface, open or not.",
+     [&o](const GivenValue& v) { o.thicken = length_without_cells(v); }},
+    {"--keep-largest", 0, "", "Components", "Keep only the component with the largest volume.", switch_on(o.keep_largest)},
+    {"--min-component", 0, "V", "Components",
+     "Drop components with less volume than V, such as 0.5 or 1% (of the largest one's).",
+     [&o](const GivenValue& v) { o.min_component = volume_limit(v); }},
+    {"--cell", 0, "L", "Resolution",
+     "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
+     [&o](const GivenValue& v) {
+       if (v.text != "auto") o.cell = length_without_cells(v);
+     }},
+    {"--resolution", 0, "N", "Resolution",
+     "Cells along the longest side (8 to 100000), instead of --cell.",
+     [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
+    {"--adapt", 0, "TOL", "Resolution",
+     "Take coarser cells where the distance is off by no more than TOL, such as 0.1h or 0.01.",
+     [&o](const GivenValue& v) { o.adapt = positive_length(v); }},
+    {"--cell-max", 0, "L", "Resolution", "With --adapt: the coarsest cells, such as 16h or 1%; 8h when not given.",
+     [&o](const GivenValue& v) { o.cell_max = positive_length(v); }},
+    {"--smooth", 0, "L", "Smoothing", "Remove what is smaller than L; 'auto' removes the noise that it finds, and nothing else.",
+     [&o](const GivenValue& v) { smoothing(v, o); }},
+    {"--mode", 0, "M", "Smoothing",
+     "'feature' keeps sharp edges, 'volume' is for organic shapes, 'mcf' mean-curvature flow, 'filtered' keeps spheres, 'reinit' the "
+     "thesis' reinitialisation; 'auto' (default) chooses 'feature' or 'volume'.",
+     [&o](const GivenValue& v) { o.mode = one_of<SmoothMode>(v, {"auto", "feature", "volume", "mcf", "filtered", "reinit"}); }},
+    {"--keep-volume", 0, "", "Smoothing", "The volume stays what it was (default).", switch_on(o.keep_volume)},
+    {"--free-volume", 0, "", "Smoothing", "The volume may change.", [&o](const GivenValue&) { o.keep_volume = false; }},
+    {"--crease", 0, "ANGLE", "Smoothing", "Edges of more than ANGLE degrees stay sharp ('feature'). Chosen from the noise when not given.",
+     [&o](const GivenValue& v) { o.crease_angle = angle(v); }},
+    {"--region", 0, "FILE", "Smoothing", "Smooth only inside FILE: a .txt with boxes and spheres, or a closed surface.", store_text(o.region)},
+    {"--curvature-radius", 0, "R", "Smoothing", "Smooth only what is curved more than a sphere of radius R.",
+     [&o](const GivenValue& v) { o.curvature_radius = length_without_cells(v); }},
+    {"--deviation", 0, "T", "Smoothing", "Keep the smoothed surface within T of the repaired one; measured on the result.",
+     [&o](const GivenValue& v) { o.deviation = positive_length(v); }},
+    {"--redistance", 0, "M", "Smoothing",
+     "What keeps distances while it smooths: 'closest' points (default), 'fmm', or the thesis' 'pde-weno5' and 'pde-first'.",
+     [&o](const GivenValue& v) { o.redistance = redistance_method(v); }},
+    {"--offset", 0, "D", "Walls", "Move the surface outwards by D, inwards with --offset=-D.",
+     [&o](const GivenValue& v) { signed_offset(v, o); }},
+    {"--hollow", 0, "T", "Walls", "Keep only a wall of thickness T inside the surface.",
+     [&o](const GivenValue& v) { o.hollow = length_without_cells(v); }},
+    {"--memory", 0, "SIZE", "Resources",
+     "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.",
+     [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
+  };
+}
+
+}  // namespace
+
+std::vector<Option> with_clean_options(std::vector<Option> table, CleanOptions& options) {
+  // Their groups stand behind the one that says what is written.
+  const auto behind_output = std::find_if(table.begin(), table.end(), [](const Option& o) { return o.group != "Output"; });
+  std::vector<Option> all = rows(options);
+  table.insert(behind_output, std::make_move_iterator(all.begin()), std::make_move_iterator(all.end()));
+  return table;
+}
+
+void require_consistent(const CleanOptions& o) {
+  const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+  if (o.cell && o.resolution) refuse("--cell and --resolution exclude each other", "give one of the two");
+  if (o.cell_max && !o.adapt) refuse("--cell-max needs --adapt", "for example --adapt 0.1h");
+  if (o.keep_openings && o.max_hole) refuse("--keep-openings and --max-hole exclude each other", "give one of the two");
+  if (o.thicken && o.keeps_openings()) refuse("--thicken makes a closed shell: there are no openings to keep", "leave out one of the two");
+  if (o.thicken && o.moves_walls()) refuse("--thicken makes a shell of its own, and excludes --offset and --hollow", "do it in two runs");
+  if (o.moves_walls() && o.keeps_openings()) refuse("--offset and --hollow need a closed surface: there are no openings to keep", "leave out one of the two");
+  if (o.method == Method::local) {
+    const bool flows = o.mode != SmoothMode::automatic && o.mode != SmoothMode::feature;
+    const std::string_view clash = o.smooths() && flows ? "--mode" : o.curvature_radius ? "--curvature-radius" : o.offset ? "--offset" : o.hollow ? "--hollow"
+                                 : o.thicken ? "--thicken" : o.cell ? "--cell" : o.resolution ? "--resolution" : o.adapt ? "--adapt" : "";
+    if (!clash.empty()) refuse(fmt::format("{} is a matter of the level set, and --method local excludes it", clash), "leave out one of the two");
+  }
+}
+
+std::vector<std::string> idle_options(const CleanOptions& o) {
+  std::vector<std::string> idle;
+  if (o.smooths()) return idle;
+  const auto note = [&](bool given, const char* name) {
+    if (given) idle.emplace_back(name);
+  };
+  note(o.deviation.has_value(), "--deviation");
+  note(o.redistance != RedistanceMethod::closest, "--redistance");
+  note(o.mode != SmoothMode::automatic, "--mode");
+  note(!o.keep_volume, "--free-volume");
+  note(o.crease_angle.has_value(), "--crease");
+  note(!o.region.empty(), "--region");
+  note(o.curvature_radius.has_value(), "--curvature-radius");
+  return idle;
+}
+
+}  // namespace burnish

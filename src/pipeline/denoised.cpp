@@ -1,0 +1,104 @@
+#include "denoised.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "burnish/core/parallel.h"
+#include "burnish/surface/denoise.h"
+#include "burnish/surface/inspect.h"
+#include "burnish/surface/local_repair.h"
+#include "burnish/surface/triangle_index.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kRampInEdges = 2;       // mean edges inside a region's border, from where on points move freely
+constexpr double kVolumeOfFolds = 0.02;  // of the volume: what mending folds may change
+
+DenoiseOptions denoise_options(const SmoothingPlan& plan, const TriangleSoup& soup, const RepairReport& report) {
+  DenoiseOptions options;
+  options.sigma = report.smoothing.noise.sigma;
+  if (plan.length > 0) options.length = plan.length;
+  options.crease_angle = report.options.crease_angle;
+  options.deviation = report.options.deviation;
+  if (plan.region) options.mobility = mobility_at(soup.points, *plan.region, kRampInEdges * report.smoothing.noise.mean_edge);
+  return options;
+}
+
+// Denoised, with points as the file will have them.
+TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool float32, RepairReport& report, Progress& progress) {
+  DenoiseResult done = denoise(soup, denoise_options(plan, soup, report), progress);
+  report.smoothing.outliers = done.outliers;
+  report.smoothing.rms_moved = done.rms_moved;
+  report.smoothing.max_moved = done.max_moved;
+  if (float32)
+    parallel_for(done.soup.points.size(), [&](std::size_t i) {
+      Vec3& p = done.soup.points[i];
+      if (p != soup.points[i]) p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    });
+  return std::move(done.soup);
+}
+
+bool needs_mending(const TriangleSoup& soup, Progress& progress) {
+  const Inspection found = inspect(soup, {}, progress);
+  return !found.defects.valid_solid() && !found.defects.valid_sheet();
+}
+
+// Mends what intersects; `solution.source` follows.
+bool mend_folds(LocalSolution& solution, bool float32, RepairReport& report, Progress& progress, std::string& refusal) {
+  LocalRepairResult mended = repair_locally(solution.soup, {.max_hole = report.options.max_hole, .float32 = float32}, progress);
+  refusal = mended.refusal;
+  if (!refusal.empty()) return false;
+  std::vector<std::uint32_t> source(mended.source.size(), kNoFacet);
+  std::vector<char> fills(mended.source.size());
+  for (std::size_t f = 0; f < source.size(); ++f) {
+    const std::uint32_t was = mended.source[f];
+    if (was != kNoFacet) source[f] = solution.source[was];
+    fills[f] = was != kNoFacet ? solution.fills_hole[was] : mended.fills_hole[f];
+  }
+  report.actions.facets_cut += mended.facets_cut;
+  report.actions.needles_flipped += mended.needles_flipped;
+  report.actions.intersecting_pairs_removed += mended.intersecting_pairs_removed;
+  solution = {std::move(mended.soup), std::move(source), std::move(fills), mended.facets_cut > 0};
+  return true;
+}
+
+}  // namespace
+
+std::optional<DenoisedSolution> solve_denoised(const TriangleSoup& welded, const PreparedInput& prepared, const SmoothingPlan& plan, bool valid, bool float32,
+                                               double tolerance, RepairReport& report, Progress& progress, std::string& refusal) {
+  std::optional<LocalSolution> closed = valid ? unchanged(welded) : solve_locally(welded, prepared, {.max_hole = {}, .float32 = float32, .resolve_intersections = false}, report, progress, refusal);
+  if (!closed) return std::nullopt;
+  report.after.volume = signed_volume(closed->soup);
+  refusal = objection_to(*closed, closed->soup, welded, prepared, tolerance, report);
+  if (!refusal.empty()) return std::nullopt;
+  DenoisedSolution result;
+  result.surface.before = closed->soup;
+  result.surface.after = closed->soup = denoised(closed->soup, plan, float32, report, progress);
+  if (needs_mending(closed->soup, progress) && !mend_folds(*closed, float32, report, progress, refusal)) return std::nullopt;
+  result.solution = std::move(*closed);
+  return result;
+}
+
+std::string objection_to_mending(const DenoisedSolution& denoised, const TriangleSoup& result, double tolerance, const RepairReport& report) {
+  const TriangleSoup& wanted = denoised.surface.after;
+  if (denoised.solution.united) return is_same_solid(wanted, result, 0) ? "" : "it would not be the solid that the denoised facets enclose";
+  const double volume = signed_volume(wanted);
+  if (!report.is_sheet && !(std::abs(report.after.volume - volume) <= kVolumeOfFolds * std::abs(volume)))
+    return fmt::format("its volume of {:.6g} would not be the {:.6g} that the denoised facets enclose", report.after.volume, volume);
+  const double off = one_sided_distance(wanted, TriangleIndex(result)).max;
+  if (off > tolerance) return fmt::format("{:.3g} away from the result something of the denoised surface would be lost", off);
+  return {};
+}
+
+void denoise_prepared(PreparedInput& prepared, const SmoothingPlan& plan, RepairReport& report, Progress& progress) {
+  const TriangleSoup moved = denoised(prepared.oriented, plan, false, report, progress);
+  // Caps share the points of the loops that they fill.
+  std::copy(moved.points.begin(), moved.points.end(), prepared.capped.soup.points.begin());
+  prepared.oriented.points = moved.points;
+}
+
+}  // namespace burnish
