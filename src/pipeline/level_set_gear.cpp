@@ -10,7 +10,7 @@
 #include "burnish/core/union_find.h"
 #include "burnish/extract/trim.h"
 #include "burnish/levelset/adapt.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/sheet_block.h"
 #include "burnish/surface/triangle_index.h"
 #include "resolve_options.h"
@@ -40,7 +40,7 @@ LevelSetOptions level_set_options(const ResolvedOptions& options) {
     }
     return set;
   }
-  set.room = room_for_smoothing(smooth_cells);
+  set.room = room_for_smoothing(FlowMode::mcf, smooth_cells);
   // A bound on the deviation is held against exact distances.
   const double bound = options.deviation ? *options.deviation / options.cell : 0;
   set.band = std::max(kFlowBand, std::min(bound, set.room) + 1);
@@ -180,15 +180,18 @@ void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& prog
 
 void smooth_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
-  SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true, .redistance = options.redistance};
+  SmoothingOptions in_cells;
+  in_cells.mode = FlowMode::mcf;
+  in_cells.length = options.smooth / options.cell;
+  in_cells.redistance = options.redistance;
   if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
-  const SmoothingResult done = smooth_by_flow(level_set, in_cells, progress);
+  const SmoothingResult done = smooth(level_set, in_cells, progress);
   const double square = options.cell * options.cell;
-  report.smoothing = {options.smooth, done.flow.time * square, done.flow.steps, options.redistance, done.volume_before * square * options.cell,
+  report.smoothing = {options.smooth, done.time * square, done.steps, options.redistance, done.volume_before * square * options.cell,
                       done.volume_after * square * options.cell};
-  if (done.flow.unsteady > 0)
+  if (done.unsteady > 0)
     report.warnings.push_back(fmt::format("redistancing by {} was not steady {} times: the surface may have moved with it; --redistance closest is exact and faster",
-                                          name(options.redistance), done.flow.unsteady));
+                                          name(options.redistance), done.unsteady));
   const double drift = done.volume_after / done.volume_before - 1;
   if (!(std::abs(drift) <= kVolumeKept))
     report.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "burnish/core/error.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/thickness.h"
 
@@ -35,7 +35,7 @@ constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
 
 double band_of(const Length& smooth, double diagonal, double cell, double unsmoothed) {
   const double length = smooth.in_model_units(diagonal, cell);
-  return length > 0 ? kFlowBand + room_for_smoothing(length / cell) : unsmoothed;
+  return length > 0 ? kFlowBand + room_for_smoothing(FlowMode::mcf, length / cell) : unsmoothed;
 }
 
 std::uint64_t bytes_for(std::size_t facets, double surface_area, double cell, double band) {
