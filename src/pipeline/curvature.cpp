@@ -14,7 +14,7 @@
 #include "burnish/io/output_file.h"
 #include "burnish/io/point_data.h"
 #include "burnish/levelset/redistance.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/compare.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
@@ -106,7 +106,7 @@ class CurvatureRun : SolidRun {
     resolve_cell(job_.options, prepared_.capped, report_.options, report_.warnings, band);
     const double smooth_cells = report_.options.smooth / report_.options.cell;
     LevelSetOptions set{.band = band, .room = 0, .far_field = false};
-    if (smooth_cells > 0) set.band = std::max(kFlowBand, band), set.room = room_for_smoothing(smooth_cells);
+    if (smooth_cells > 0) set.band = std::max(kFlowBand, band), set.room = room_for_smoothing(FlowMode::mcf, smooth_cells);
     built_ = build_level_set(prepared_, set, report_, progress_);
     result_.band = set.band;
   }
@@ -121,7 +121,7 @@ class CurvatureRun : SolidRun {
     options.method = report_.options.redistance;
     options.reach = built_.level_set.band;
     // The input's vertices have to find the surface from where it was.
-    if (job_.at == CurvaturePoints::vertices) options.reach += room_for_smoothing(report_.options.smooth / report_.options.cell);
+    if (job_.at == CurvaturePoints::vertices) options.reach += room_for_smoothing(FlowMode::mcf, report_.options.smooth / report_.options.cell);
     reach_ = options.reach;
     redistance(built_.level_set, options, progress_);
   }

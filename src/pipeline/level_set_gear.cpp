@@ -10,7 +10,7 @@
 #include "burnish/core/union_find.h"
 #include "burnish/extract/trim.h"
 #include "burnish/levelset/adapt.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/sheet_block.h"
 #include "burnish/surface/triangle_index.h"
 #include "resolve_options.h"
@@ -26,6 +26,7 @@ constexpr double kVoteReach = 3;          // cells
 constexpr double kVolumeKept = 1e-3;      // drift of the volume beyond which the user is told
 constexpr double kDomainMargin = 11;      // cells between the band and the walls
 constexpr double kZerosOnly = 1.5;        // cells: nodes this near to the surface say where it is
+constexpr double kRampInCells = 2, kRampInLengths = 0.5;  // from a region's border to where the surface moves freely
 constexpr double kCrumb = 0.25;           // cells: a part of either sign that stays nearer to the rim than this is none
 
 // Smoothing and extraction look no farther than the band, so the far field is left out.
@@ -40,7 +41,7 @@ LevelSetOptions level_set_options(const ResolvedOptions& options) {
     }
     return set;
   }
-  set.room = room_for_smoothing(smooth_cells);
+  set.room = room_for_smoothing(flow_mode(options.mode), smooth_cells);
   // A bound on the deviation is held against exact distances.
   const double bound = options.deviation ? *options.deviation / options.cell : 0;
   set.band = std::max(kFlowBand, std::min(bound, set.room) + 1);
@@ -108,6 +109,37 @@ void turn_crumbs(const TriangleSoup& surface, double least, std::vector<double>&
   for (std::uint32_t p = 0; p < values.size(); ++p) reach[parts.find(p)] = std::max(reach[parts.find(p)], std::abs(values[p]));
   for (std::uint32_t p = 0; p < values.size(); ++p)
     if (reach[parts.find(p)] < least) values[p] = values[p] >= 0 ? -least : least;
+}
+
+// The region's mobility at the nodes of a level set.
+Field<float> mobility_field(const LevelSet& set, const Region& region, double ramp) {
+  Field<float> mobility = Field<float>::like(set.phi, 0.0f, 0.0f);
+  parallel_for(set.octree().size(), [&](std::size_t leaf) {
+    if (!mobility.stores(leaf)) return;
+    const auto corner = set.octree().corner(leaf);
+    const int step = 1 << set.octree().level(leaf);
+    float* const block = mobility.block(leaf);
+    for (int k = 0; k < kBlockSide; ++k)
+      for (int j = 0; j < kBlockSide; ++j)
+        for (int i = 0; i < kBlockSide; ++i) {
+          const Vec3 node{kBlockSide * static_cast<double>(corner.x) + step * i, kBlockSide * static_cast<double>(corner.y) + step * j,
+                          kBlockSide * static_cast<double>(corner.z) + step * k};
+          block[node_index(i, j, k)] = static_cast<float>(region.mobility(set.frame.to_model(node), ramp));
+        }
+  }, 4);
+  return mobility;
+}
+
+void warn_of_smoothing(const SmoothingResult& done, RepairReport& report) {
+  const ResolvedOptions& options = report.options;
+  if (done.unsteady > 0)
+    report.warnings.push_back(fmt::format("redistancing by {} was not steady {} times: the surface may have moved with it; --redistance closest is exact and faster",
+                                          name(options.redistance), done.unsteady));
+  const double drift = done.volume_after / done.volume_before - 1;
+  if (options.keep_volume && !(std::abs(drift) <= kVolumeKept))
+    report.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,
+                                          options.deviation ? "the bound on the deviation did not let it be restored"
+                                                            : "the smoothing length is too large for this model"));
 }
 
 }  // namespace
@@ -180,25 +212,31 @@ void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& prog
 
 void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
-  SmoothingOptions in_cells{.length = options.smooth / options.cell, .deviation = {}, .keep_volume = true, .redistance = options.redistance};
-  if (options.deviation) in_cells.deviation = *options.deviation / options.cell;
-  const SmoothingResult done = smooth_by_flow(level_set, in_cells, progress);
   const double square = options.cell * options.cell;
+  const auto in_cells = [&](const std::optional<double>& length) { return length ? std::optional(*length / options.cell) : std::nullopt; };
+  SmoothingOptions asked;
+  asked.mode = flow_mode(plan.mode);
+  asked.length = options.smooth / options.cell;
+  asked.target_rms = in_cells(plan.stop_at);
+  asked.deviation = in_cells(options.deviation);
+  asked.keep_volume = options.keep_volume;
+  asked.curvature_radius = in_cells(options.curvature_radius).value_or(0);
+  asked.redistance = options.redistance;
+  Field<float> mobility;
+  if (plan.region) {
+    mobility = mobility_field(level_set, *plan.region, std::max(kRampInCells * options.cell, kRampInLengths * options.smooth));
+    asked.mobility = &mobility;
+  }
+  const SmoothingResult done = smooth(level_set, asked, progress);
   SmoothingSummary& told = report.smoothing;
   told.length = options.smooth;
-  told.flow_time = done.flow.time * square;
-  told.steps = done.flow.steps;
+  told.flow_time = done.time * square;
+  told.steps = done.steps;
   told.redistance = options.redistance;
+  told.rms_moved = done.rms_moved * options.cell;
   told.volume_before = done.volume_before * square * options.cell;
   told.volume_after = done.volume_after * square * options.cell;
-  if (done.flow.unsteady > 0)
-    report.warnings.push_back(fmt::format("redistancing by {} was not steady {} times: the surface may have moved with it; --redistance closest is exact and faster",
-                                          name(options.redistance), done.flow.unsteady));
-  const double drift = done.volume_after / done.volume_before - 1;
-  if (!(std::abs(drift) <= kVolumeKept))
-    report.warnings.push_back(fmt::format("smoothing changed the volume by {:.2g} %: {}", 100 * drift,
-                                          options.deviation ? "the bound on the deviation did not let it be restored"
-                                                            : "the smoothing length is too large for this model"));
+  warn_of_smoothing(done, report);
 }
 
 std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {

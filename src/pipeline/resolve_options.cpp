@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "burnish/core/error.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/thickness.h"
 
@@ -33,9 +33,9 @@ constexpr double kBytesPerFacet = 250;         // input, index, inspection
 constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
 constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
 
-double band_of(const Length& smooth, double diagonal, double cell, double unsmoothed) {
-  const double length = smooth.in_model_units(diagonal, cell);
-  return length > 0 ? kFlowBand + room_for_smoothing(length / cell) : unsmoothed;
+double band_of(const CleanOptions& asked, FlowMode mode, double diagonal, double cell, double unsmoothed) {
+  const double length = asked.smooth.in_model_units(diagonal, cell);
+  return length > 0 ? kFlowBand + room_for_smoothing(mode, length / cell) : unsmoothed;
 }
 
 std::uint64_t bytes_for(std::size_t facets, double surface_area, double cell, double band) {
@@ -132,6 +132,18 @@ std::uint64_t planned_bytes(const TriangleSoup& prepared, double cell, double ba
   return bytes_for(prepared.facets.size(), area(prepared), cell, band);
 }
 
+FlowMode flow_mode(SmoothMode mode) {
+  switch (mode) {
+    case SmoothMode::volume: return FlowMode::volume;
+    case SmoothMode::filtered: return FlowMode::filtered;
+    case SmoothMode::reinit: return FlowMode::reinit;
+    case SmoothMode::automatic:
+    case SmoothMode::feature:
+    case SmoothMode::mcf: break;
+  }
+  return FlowMode::mcf;
+}
+
 ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, 0)) : std::nullopt; };
   ResolvedOptions resolved;
@@ -156,7 +168,7 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
   const TriangleSoup& prepared = capped.soup;
   const Box3 box = bounding_box(prepared);
   const double diagonal = box.diagonal(), half_shell = 0.5 * resolved.thicken.value_or(0);
-  const auto band = [&](double cell) { return band_of(asked.smooth, diagonal, cell, unsmoothed_band) + half_shell / cell; };
+  const auto band = [&](double cell) { return band_of(asked, flow_mode(resolved.mode), diagonal, cell, unsmoothed_band) + half_shell / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
     double wanted = default_cell(capped, diagonal, asked.smooth, resolved.thicken);

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/boundary_caps.h"
 #include "burnish/surface/triangle_soup.h"
@@ -13,6 +14,9 @@ namespace burnish {
 
 // Cells of exact distances around the surface when nothing is smoothed: what extraction takes.
 inline constexpr double kUnsmoothedBand = 3;
+
+// The flow of the level set behind a mode; mean-curvature flow for modes that have none.
+FlowMode flow_mode(SmoothMode mode);
 
 // Resolves everything but the cell and what is measured in cells; `diagonal` is the input's.
 ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal);

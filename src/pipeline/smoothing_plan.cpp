@@ -15,6 +15,7 @@ constexpr double kExplained = 0.95;                      // of sigma: the rms di
 // What lengths are to be compared with.
 double diagonal_of(const RepairReport& report) { return report.before.box.diagonal(); }
 
+// What a user who names no mode would want. [T-AUTO-2]
 SmoothMode chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise, std::string& reason) {
   if (asked.mode != SmoothMode::automatic) {
     reason = "asked for";
@@ -24,15 +25,15 @@ SmoothMode chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise, st
     reason = "a radius of curvature was given";
     return SmoothMode::mcf;
   }
-  if (noise.crease_share > 0) {
-    reason = "there are creases that stand out of the noise";
+  if (noise.creased()) {
+    reason = "creases stand out of the noise";
     return SmoothMode::feature;
   }
-  if (noise.sigma > 0) {
+  if (noise.noisy()) {
     reason = "the noise is random from point to point";
     return SmoothMode::feature;
   }
-  reason = "no creases, and no noise that is random from point to point";
+  reason = "there are few creases, and no noise that is random from point to point";
   return SmoothMode::volume;
 }
 
@@ -43,7 +44,7 @@ SmoothingPlan plan_smoothing(const CleanOptions& asked, const PreparedInput& pre
   if (!asked.smooths()) return plan;
   const NoiseEstimate noise = estimate_noise(prepared.oriented);
   report.smoothing.noise = noise;
-  if (asked.smooth_auto && noise.sigma <= 0) {
+  if (asked.smooth_auto && !noise.noisy()) {
     report.smoothing.mode_reason = "there is no noise to remove";
     return plan;
   }

@@ -52,7 +52,7 @@ TEST(MeanCurvatureFlow, AttenuatesWavesTenfoldInTheTimeForTheirLength) {
     const double k = 2 * kPi / wavelength, amplitude = 0.02 * wavelength;
     const auto wave = [&](const Vec3& p) { return amplitude * std::cos(k * (p.x + 0.5)); };
     BasicLevelSet<double> set = analytic_level_set<double>(3, kFlowBand + 2, [&](const Vec3& p) { return 32.3 + wave(p) - p.z; });
-    mean_curvature_flow(set, flow_time_for(wavelength));
+    mean_curvature_flow(set, flow_time_for(FlowMode::mcf, wavelength));
     // Amplitude by projection on the middle two wavelengths, from crossings of vertical edges.
     double sum = 0, count = 0;
     for (const Vec3& x : edge_crossings(set)) {
@@ -68,8 +68,8 @@ TEST(MeanCurvatureFlow, AttenuatesWavesTenfoldInTheTimeForTheirLength) {
 
 TEST(MeanCurvatureFlow, TimeForALength) {
   for (const double length : {1.0, 3.0, 20.0}) {
-    EXPECT_NEAR(std::exp(-std::pow(2 * kPi / length, 2) * flow_time_for(length)), 0.1, 1e-12);
-    EXPECT_GE(room_for_smoothing(length), 2 * std::sqrt(flow_time_for(length)));
+    EXPECT_NEAR(std::exp(-std::pow(2 * kPi / length, 2) * flow_time_for(FlowMode::mcf, length)), 0.1, 1e-12);
+    EXPECT_GE(room_for_smoothing(FlowMode::mcf, length), 2 * std::sqrt(flow_time_for(FlowMode::mcf, length)));
   }
 }
 
@@ -83,10 +83,15 @@ TEST(MeanCurvatureFlow, PlanesAndZeroTimesDoNothing) {
 }
 
 // Cells around a surface that have to be finest for smoothing.
-double zone_for(double length) { return room_for_smoothing(length) + kFlowBand; }
+double zone_for(double length) { return room_for_smoothing(FlowMode::mcf, length) + kFlowBand; }
 
 SmoothingOptions smoothing(double length, std::optional<double> deviation = {}, bool keep_volume = true) {
-  return {length, deviation, keep_volume};
+  SmoothingOptions options;
+  options.mode = FlowMode::mcf;
+  options.length = length;
+  options.deviation = deviation;
+  options.keep_volume = keep_volume;
+  return options;
 }
 
 // A ball with bumps of a wavelength of about `length` cells.
@@ -106,19 +111,19 @@ TEST(SmoothByFlow, KeepsTheVolume) {
     SCOPED_TRACE(testing::Message() << "length " << length);
     Ball<float> ball = bumpy_ball(16, 6, 0.6, zone_for(length));
     const double before = enclosed_volume(ball.set);
-    const SmoothingResult result = smooth_by_flow(ball.set, smoothing(length));
+    const SmoothingResult result = smooth(ball.set, smoothing(length));
     EXPECT_DOUBLE_EQ(result.volume_before, before);
     EXPECT_NEAR(enclosed_volume(ball.set) / before, 1, 1e-5);
     EXPECT_NEAR(result.volume_after / enclosed_volume(ball.set), 1, 1e-12);
-    EXPECT_DOUBLE_EQ(result.flow.time, flow_time_for(length));
+    EXPECT_DOUBLE_EQ(result.time, flow_time_for(FlowMode::mcf, length));
   }
 }
 
 TEST(SmoothByFlow, WithoutKeepingVolumeABallShrinksByTheFlow) {
   const double length = 12, radius = 20;
   Ball<float> ball = analytic_ball<float>(radius, {0.2, 0.3, 0.4}, zone_for(length));
-  const SmoothingResult result = smooth_by_flow(ball.set, smoothing(length, {}, false));
-  const double exact = std::pow(1 - 4 * flow_time_for(length) / (radius * radius), 1.5);
+  const SmoothingResult result = smooth(ball.set, smoothing(length, {}, false));
+  const double exact = std::pow(1 - 4 * flow_time_for(FlowMode::mcf, length) / (radius * radius), 1.5);
   EXPECT_NEAR(result.volume_after / result.volume_before, exact, 0.005);
 }
 
@@ -128,7 +133,7 @@ TEST(SmoothByFlow, DeviationBoundsPhiAtEveryNode) {
     Ball<float> ball = bumpy_ball(16, 8, 1.2, zone_for(12));
     const Field<float> before = ball.set.phi;
     const double bound = 0.3;
-    smooth_by_flow(ball.set, smoothing(12, bound, keep_volume));
+    smooth(ball.set, smoothing(12, bound, keep_volume));
     double worst = 0;
     for (std::size_t i = 0; i < before.values().size(); ++i)
       worst = std::max(worst, static_cast<double>(std::abs(ball.set.phi.values()[i] - before.values()[i])));
@@ -146,7 +151,7 @@ TEST(SmoothByFlow, RemovesBumps) {
     return std::sqrt(sum / count);
   };
   const double before = roughness();
-  smooth_by_flow(ball.set, smoothing(8));
+  smooth(ball.set, smoothing(8));
   EXPECT_LE(roughness(), 0.1 * before);
 }
 
@@ -154,7 +159,7 @@ TEST(SmoothByFlow, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const ThreadLimit limit(threads);
     Ball<float> ball = bumpy_ball(12, 6, 0.6, zone_for(6));
-    smooth_by_flow(ball.set, smoothing(6, 0.4));
+    smooth(ball.set, smoothing(6, 0.4));
     return ball.set.phi.values();
   };
   const LargeArray<float> one = run(1), four = run(4);

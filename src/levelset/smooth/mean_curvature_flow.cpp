@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <numbers>
 
 #include "burnish/core/parallel.h"
 #include "burnish/levelset/redistance.h"
-#include "burnish/levelset/volume.h"
 #include "../curvature_formula.h"
 
 namespace burnish {
@@ -17,7 +15,6 @@ constexpr double kLargestStep = 1.0 / 6;  // in cells squared; explicit Euler is
 constexpr int kStepsPerRedistance = 6;
 constexpr double kActive = 3.5;           // cells around the surface that flow; others wait for the next redistancing
 constexpr double kSteepest = 2;           // largest curvature that a lattice can show, in 1 / cell
-constexpr double kVolumeTolerance = 1e-6;
 
 // kappa |grad phi| by central differences; the thesis' (4.5) with phi_xx for its misprinted phi_xx^2. [T-CURV-1]
 template <class At>
@@ -79,9 +76,10 @@ class PartOfStep : public Progress {
   const Progress& whole_;
 };
 
-// Runs the flow; after every redistancing `constrain` may correct phi.
-template <class T, class Constrain>
-FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method, Progress& progress, Constrain&& constrain) {
+}  // namespace
+
+template <class T>
+FlowResult mean_curvature_flow(BasicLevelSet<T>& set, double time, Progress& progress, RedistanceMethod method) {
   FlowResult result;
   RedistanceOptions redistancing;
   redistancing.method = method;
@@ -96,71 +94,12 @@ FlowResult run_flow(BasicLevelSet<T>& set, double time, RedistanceMethod method,
     std::swap(set.phi, next);
     if (step % kStepsPerRedistance == 0 || step == steps) {
       result.unsteady += !redistance(set, redistancing, part).steady;
-      constrain();
       next = set.phi;
     }
     progress.update(static_cast<double>(step) / steps);
   }
   result.time = time;
   result.steps = steps;
-  return result;
-}
-
-void clamp_to(const Field<float>& reference, double deviation, Field<float>& phi) {
-  const auto t = static_cast<float>(deviation);
-  parallel_for(phi.values().size(), [&](std::size_t i) {
-    phi.values()[i] = std::clamp(phi.values()[i], reference.values()[i] - t, reference.values()[i] + t);  // [T-FLOW-5]
-  }, 16384);
-}
-
-void shift(Field<float>& phi, double by) {
-  const auto s = static_cast<float>(by);
-  parallel_for(phi.values().size(), [&](std::size_t i) { phi.values()[i] += s; }, 16384);
-}
-
-}  // namespace
-
-template <class T>
-FlowResult mean_curvature_flow(BasicLevelSet<T>& level_set, double time, Progress& progress, RedistanceMethod method) {
-  return run_flow(level_set, time, method, progress, [] {});
-}
-
-double flow_time_for(double length) {
-  return std::numbers::ln10 * length * length / (4 * std::numbers::pi * std::numbers::pi);  // [T-FLOW-4]
-}
-
-double room_for_smoothing(double length) { return 2 * std::sqrt(flow_time_for(length)); }  // [T-FLOW-7]
-
-SmoothingResult smooth_by_flow(LevelSet& level_set, const SmoothingOptions& options, Progress& progress) {
-  SmoothingResult result;
-  result.volume_before = enclosed_volume(level_set);
-  Field<float> reference;
-  if (options.deviation) reference = level_set.phi;
-  const auto constrain = [&] {
-    if (options.deviation) clamp_to(reference, *options.deviation, level_set.phi);
-  };
-  result.flow = run_flow(level_set, flow_time_for(options.length), options.redistance, progress, constrain);
-  result.volume_after = enclosed_volume(level_set);
-  if (!options.keep_volume) return result;
-
-  // Secant method for the shift, from a first step of a twentieth of a cell. [T-FLOW-6]
-  const Field<float> flowed = level_set.phi;
-  double s0 = 0, v0 = result.volume_after;
-  double s1 = v0 < result.volume_before ? 0.05 : -0.05;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    if (std::abs(result.volume_after - result.volume_before) <= kVolumeTolerance * std::abs(result.volume_before)) break;
-    progress.check();
-    level_set.phi = flowed;
-    shift(level_set.phi, s1);
-    constrain();
-    result.volume_after = enclosed_volume(level_set);
-    const double slope = (result.volume_after - v0) / (s1 - s0);
-    if (!(slope > 0)) break;
-    s0 = s1;
-    v0 = result.volume_after;
-    s1 = std::clamp(s1 + (result.volume_before - v0) / slope, -1.0, 1.0);
-    if (s1 == s0) break;
-  }
   return result;
 }
 
