@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "burnish/core/parallel.h"
+#include "noise_creases.h"
 #include "noise_hinges.h"
 #include "noise_patch.h"
 
@@ -138,7 +139,8 @@ void judge(const std::vector<Sample>& samples, const std::array<double, 3>& leve
   estimate.correlation = correlation(samples, variance);
   const double most = kMostShape * estimate.mean_edge * kMostShape * estimate.mean_edge;
   const double shape = std::min({std::max(0.0, estimate.correlation / kShapeCorrelation) * variance, most, variance});
-  estimate.evenness = 0.5 * (std::sqrt(level[0] / level[1]) + std::sqrt(level[0] / level[2])) - kShapeCorrelation * shape / variance;  // [T-NOISE-5]
+  const double low = level[0] / level[1], high = level[0] / level[2];
+  estimate.evenness = std::max(low, 0.5 * (std::sqrt(low) + std::sqrt(high))) - kShapeCorrelation * shape / variance;  // [T-NOISE-5]
   if (estimate.evenness >= kLeastEvenness && hinges >= kLeastHinge * estimate.residual) estimate.sigma = std::sqrt(variance - shape);
 }
 
@@ -161,6 +163,7 @@ NoiseEstimate estimate_noise(const TriangleSoup& oriented) {
   }
   const std::vector<Sample> samples = sampler.samples(reach, true);
   judge(samples, levels(samples), hinge_level(oriented, edges), rounding(oriented), estimate);
+  set_creases(oriented, edges, estimate);
   return estimate;
 }
 
