@@ -1,5 +1,11 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <optional>
+#include <string_view>
+#include <utility>
+#include <vector>
+
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/marked_cells.h"
@@ -23,6 +29,7 @@ Examples:
   burnish compare part.stl repaired.stl
   burnish compare part.stl repaired.stl --max 0.1% -q && echo the same
   burnish compare scan.stl design.stl --output deviation.vtp
+  burnish compare denoised.stl truth.stl --normals --input noisy.stl
 )";
 
 class CompareCommand : public Command {
@@ -39,10 +46,12 @@ class CompareCommand : public Command {
 
   int run() override {
     require_consistent();
-    for (const std::string& input : {job_.a, job_.b}) require_plausible_input(input);
+    for (const std::string& input : inputs()) require_plausible_input(input);
+    if (truth_asked_) job_.truth = truth_;
+    job_.samples = samples_.value_or(truth_asked_ ? kTruthSamples : job_.samples);
     const ThreadLimit limit(threads_);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
-    if (job_.overwrite && job_.output.empty()) console.warn("--overwrite", {"has no effect without --output"});
+    if (job_.overwrite && job_.output.empty() && truth_.map.empty()) console.warn("--overwrite", {"has no effect without --output or --map"});
     const CompareResult result = compare_files(job_, console);
     console.end_stage();
     for (const ComparedFile& file : {result.a, result.b}) console.warn(file.file, file.warnings);
@@ -63,8 +72,8 @@ class CompareCommand : public Command {
          "Write A with its signed deviation from B: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--samples", 0, "N", "Options",
-         "Take N samples by area, and up to N vertices, of each; 200000 when not given.",
-         [this](const GivenValue& v) { job_.samples = integer_within(v, 1, 20'000'000); }},
+         "Take N samples by area, and up to N vertices, of each; 200000 when not given, 60000 with --normals.",
+         [this](const GivenValue& v) { samples_ = integer_within(v, 1, 20'000'000); }},
         {"--exact", 0, "", "Options", "Take every distance by exact arithmetic: about 15 times slower.",
          switch_on(job_.exact)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
@@ -74,24 +83,73 @@ class CompareCommand : public Command {
          [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
         {"--quiet", 'q', "", "Options", "Print errors only: the exit code is the answer.", switch_on(quiet_)},
         {"--help", 'h', "", "Options", "Print this help.", [](const GivenValue&) {}},
+        {"--normals", 0, "", "A against a truth", "Take B for what A should be: errors of normals and distance, near creases and elsewhere.",
+         switch_on(truth_asked_)},
+        {"--input", 0, "FILE", "A against a truth", "What A was made from: its volume is compared as well.", store_text(truth_.input)},
+        {"--floor", 0, "FILE", "A against a truth",
+         "What the same program makes of B itself: the error that is not the noise's, beside A's.", store_text(truth_.floor)},
+        {"--crease-angle", 0, "DEG", "A against a truth", "Edges of B under more than this are creases; 30 when not given.",
+         [this](const GivenValue& v) { truth_.crease_angle = degrees(v); }},
+        {"--crease-width", 0, "L", "A against a truth", "How near to a crease is near; B's mean edge when not given.",
+         [this](const GivenValue& v) { truth_.crease_width = length_without_cells(v); }},
+        {"--map", 0, "OUT", "A against a truth", "Write A with the errors of its facets (.vtp).", store_text(truth_.map)},
     };
   }
 
-  // Before anything is read; an output that looks at a model must not take its place.
+  static double degrees(const GivenValue& v) {
+    const double angle = non_negative_number(v);
+    if (angle <= 180) return angle;
+    throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle of 0 to 180 degrees", v.name, v.text), "creases of parts: 30");
+  }
+
+  std::vector<std::string> inputs() const {
+    std::vector<std::string> files{job_.a, job_.b};
+    for (const std::string& more : {truth_.input, truth_.floor})
+      if (!more.empty()) files.push_back(more);
+    return files;
+  }
+
+  // Before anything is read.
   void require_consistent() const {
-    if (job_.a == "-" && job_.b == "-") {
+    require_one_standard_input();
+    require_truth();
+    for (const auto& [option, output] : {std::pair{"--output", job_.output}, std::pair{"--map", truth_.map}})
+      if (!output.empty()) require_no_input(option, output);
+    if (!job_.output.empty() && !truth_.map.empty() && same_file(job_.output, truth_.map))
+      throw Error(ErrorCode::usage, fmt::format("{}: both --output and --map", job_.output), "give one of them another name");
+  }
+
+  void require_one_standard_input() const {
+    if (job_.a == "-" && job_.b == "-")
       throw Error(ErrorCode::usage, "A and B are both '-': standard input holds one file", "name the other file");
-    }
-    if (job_.output.empty()) return;
-    static_cast<void>(marked_format_for_writing(job_.output));
-    for (const std::string& input : {job_.a, job_.b}) {
-      if (!same_file(job_.output, input)) continue;
-      throw Error(ErrorCode::usage, fmt::format("{}: --output names an input", job_.output),
+    const std::vector<std::string> files = inputs();
+    if (std::count(files.begin(), files.end(), "-") > 1)
+      throw Error(ErrorCode::usage, "several files are '-': standard input holds one", "name the others");
+  }
+
+  void require_truth() const {
+    if (truth_asked_) return;
+    for (const auto& [option, given] : {std::pair{"--input", !truth_.input.empty()}, std::pair{"--floor", !truth_.floor.empty()},
+                                        std::pair{"--map", !truth_.map.empty()}, std::pair{"--crease-width", truth_.crease_width.has_value()}})
+      if (given) throw Error(ErrorCode::usage, fmt::format("{} needs --normals", option), "add --normals: B is then the truth");
+  }
+
+  // An output that looks at a model must not take its place.
+  void require_no_input(std::string_view option, const std::string& output) const {
+    static_cast<void>(marked_format_for_writing(output));
+    for (const std::string& input : inputs()) {
+      if (!same_file(output, input)) continue;
+      throw Error(ErrorCode::usage, fmt::format("{}: {} names an input", output, option),
                   "the coloured surface is no replacement for the model: give another name");
     }
   }
 
+  static constexpr std::size_t kTruthSamples = 60'000;
+
   CompareJob job_;
+  TruthJob truth_;
+  std::optional<std::size_t> samples_;
+  bool truth_asked_ = false;
   int threads_ = 0;
   bool json_ = false;
   bool quiet_ = false;

@@ -2,12 +2,16 @@
 
 #include <fmt/format.h>
 
+#include <vector>
+
 namespace burnish {
 namespace {
 
 constexpr int kLabelWidth = 20;
 constexpr int kColumnWidth = 14;
 constexpr int kWideColumn = 24;
+constexpr int kErrorLabelWidth = 26;
+constexpr int kErrorColumn = 14;
 
 std::string real(double value) { return fmt::format("{:.6g}", value); }
 
@@ -66,6 +70,62 @@ std::string farthest_line(std::string_view from, std::string_view to, const OneS
                      place(side.farthest), from, place(side.opposite), to);
 }
 
+// A column of the table of errors: a surface.
+struct ErrorColumn {
+  std::string_view title;
+  const TruthFigures& figures;
+};
+
+std::string percent_cell(const std::optional<double>& percent) { return percent ? fmt::format("{:+.3f}", *percent) : "-"; }
+
+// `value` of each column, and of two columns their difference.
+template <class Value>
+std::string error_row(std::string_view label, const std::vector<ErrorColumn>& columns, Value&& value) {
+  std::string text = fmt::format("{:<{}}", label, kErrorLabelWidth);
+  for (const ErrorColumn& c : columns) text += fmt::format("{:>{}}", fmt::format("{:.4g}", value(c.figures)), kErrorColumn);
+  if (columns.size() == 2) {
+    text += fmt::format("{:>{}}", fmt::format("{:+.4g}", value(columns[0].figures) - value(columns[1].figures)), kErrorColumn);
+  }
+  return text + '\n';
+}
+
+// The rows of one part of the surfaces: all of it, near creases, elsewhere.
+std::string part_rows(std::string_view name, TwoWayError TruthError::*part, const std::vector<ErrorColumn>& columns, double mean_edge) {
+  if ((columns[0].figures.error.*part).empty()) return fmt::format("{}: no samples\n", name);
+  const auto of = [&](const TruthFigures& f) -> const TwoWayError& { return f.error.*part; };
+  std::string text = fmt::format("{}\n", name);
+  text += error_row("  angle, degrees", columns, [&](const TruthFigures& f) { return of(f).angle(); });
+  text += error_row("    A -> B", columns, [&](const TruthFigures& f) { return of(f).there.angle; });
+  text += error_row("    B -> A", columns, [&](const TruthFigures& f) { return of(f).back.angle; });
+  if (mean_edge > 0)
+    text += error_row("  rms, mean edges of B", columns, [&](const TruthFigures& f) { return of(f).rms() / mean_edge; });
+  return text + error_row("  rms", columns, [&](const TruthFigures& f) { return of(f).rms(); });
+}
+
+std::string drift_rows(const TruthComparison& t) {
+  std::string text = fmt::format("{:<{}}{:>{}}", "volume off B's, %", kErrorLabelWidth, percent_cell(t.result.volume_percent), kErrorColumn);
+  if (t.floor) text += fmt::format("{:>{}}", percent_cell(t.floor->figures.volume_percent), kErrorColumn);
+  text += '\n';
+  if (t.input)
+    text += fmt::format("{:<{}}{:>{}}\n", "volume off input's, %", kErrorLabelWidth, percent_cell(t.input->volume_percent), kErrorColumn);
+  return text;
+}
+
+std::string truth_rows(const TruthComparison& t) {
+  std::vector<ErrorColumn> columns{{"A", t.result}};
+  if (t.floor) columns.push_back({"floor", t.floor->figures});
+  std::string text = fmt::format("\nerrors against B, of {} and {} samples; mean edge of B {:.4g}\n", t.result.error.all.there.samples,
+                                 t.result.error.all.back.samples, t.mean_edge);
+  text += fmt::format("creases of B over {:g} degrees: {}; near: within {:.4g}\n", t.crease_angle, t.creases, t.crease_width);
+  text += fmt::format("{:<{}}", "", kErrorLabelWidth);
+  for (const ErrorColumn& c : columns) text += fmt::format("{:>{}}", c.title, kErrorColumn);
+  if (t.floor) text += fmt::format("{:>{}}", "A - floor", kErrorColumn);
+  text += '\n' + part_rows("everywhere", &TruthError::all, columns, t.mean_edge);
+  text += part_rows("near creases", &TruthError::near_creases, columns, t.mean_edge);
+  text += part_rows("elsewhere", &TruthError::elsewhere, columns, t.mean_edge);
+  return text + drift_rows(t);
+}
+
 std::string answer(const CompareResult& r) {
   if (!r.limit) return {};
   return fmt::format("{}: the largest distance, {:.6g}, is {} {:.6g}\n", r.within_limit() ? "yes" : "no", r.max(),
@@ -91,6 +151,7 @@ std::string compare_summary(const CompareResult& r) {
   }
   text += '\n' + farthest_line("A", "B", r.a_to_b) + farthest_line("B", "A", r.b_to_a);
   text += fmt::format("largest distance either way: {}\n", length(r.max()));
+  if (r.truth) text += truth_rows(*r.truth);
   return text + answer(r);
 }
 

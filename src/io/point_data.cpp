@@ -10,23 +10,34 @@
 namespace burnish {
 namespace {
 
+void announce(VtpStream& vtp, std::string_view element, const std::vector<PointArray>& arrays) {
+  if (arrays.empty()) return;
+  vtp.open_element(fmt::format("{} Scalars=\"{}\"", element, arrays.front().name));
+  for (const PointArray& array : arrays) vtp.announce("Float64", array.name, array.components, 8 * array.values.size());
+  vtp.close_element(element);
+}
+
+void put(VtpStream& vtp, FdWriter& out, const std::vector<PointArray>& arrays) {
+  for (const PointArray& array : arrays) {
+    vtp.put_size(8 * array.values.size());
+    for (const double v : array.values) out.put_raw(v);
+  }
+}
+
 void write_vtp(FdWriter& out, const PointData& data) {
   const TriangleSoup& s = data.surface;
   VtpStream vtp(out);
   vtp.open();
   vtp.open_piece(s.points.size(), 0, 0, s.facets.size());
-  vtp.open_element(fmt::format("PointData Scalars=\"{}\"", data.arrays.front().name));
-  for (const PointArray& array : data.arrays) vtp.announce("Float64", array.name, array.components, 8 * array.values.size());
-  vtp.close_element("PointData");
+  announce(vtp, "PointData", data.arrays);
+  announce(vtp, "CellData", data.facet_arrays);
   vtp.announce_points(s.points.size());
   vtp.announce_cells("Verts", 1, 0);
   vtp.announce_cells("Lines", 2, 0);
   vtp.announce_cells("Polys", 3, s.facets.size());
   vtp.begin_data();
-  for (const PointArray& array : data.arrays) {
-    vtp.put_size(8 * array.values.size());
-    for (const double v : array.values) out.put_raw(v);
-  }
+  put(vtp, out, data.arrays);
+  put(vtp, out, data.facet_arrays);
   vtp.put_points(s.points);
   const auto none = [](std::size_t, std::size_t) { return 0; };
   vtp.put_cells(1, 0, none);
@@ -89,7 +100,7 @@ Color diverging_color(double value, double range) {
 }
 
 void write_point_data(int fd, const std::string& label, const PointData& data, MarkedFormat format) {
-  assert(!data.arrays.empty());
+  assert(!data.arrays.empty() || (format == MarkedFormat::vtp && !data.facet_arrays.empty()));
   FdWriter out(fd, label);
   if (format == MarkedFormat::vtp)
     write_vtp(out, data);

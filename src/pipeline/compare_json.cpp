@@ -75,6 +75,59 @@ Json name_of(const std::optional<SideRule>& rule) {
   return *rule == SideRule::winding_number ? "winding_number" : "closest_facet";
 }
 
+Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
+
+Json json_of(const TwoWayError& e, double mean_edge) {
+  if (e.empty()) return nullptr;
+  const auto in_edges = [&](double rms) { return mean_edge > 0 ? Json(rms / mean_edge) : Json(); };
+  return {
+      {"angle_degrees", e.angle()},
+      {"angle_degrees_there", e.there.angle},
+      {"angle_degrees_back", e.back.angle},
+      {"rms", e.rms()},
+      {"rms_there", e.there.rms},
+      {"rms_back", e.back.rms},
+      {"rms_mean_edges", in_edges(e.rms())},
+      {"rms_mean_edges_there", in_edges(e.there.rms)},
+      {"rms_mean_edges_back", in_edges(e.back.rms)},
+      {"samples_there", e.there.samples},
+      {"samples_back", e.back.samples},
+  };
+}
+
+Json json_of(const TruthFigures& f, double mean_edge) {
+  return {
+      {"all", json_of(f.error.all, mean_edge)},
+      {"near_creases", json_of(f.error.near_creases, mean_edge)},
+      {"elsewhere", json_of(f.error.elsewhere, mean_edge)},
+      {"volume_percent", json_of(f.volume_percent)},
+  };
+}
+
+Json json_of(const std::optional<InputFigures>& input) {
+  if (!input) return nullptr;
+  return {{"file", json_of(input->file)}, {"volume_percent", json_of(input->volume_percent)}};
+}
+
+Json json_of(const std::optional<FloorFigures>& floor, double mean_edge) {
+  if (!floor) return nullptr;
+  return {{"file", json_of(floor->file)}, {"figures", json_of(floor->figures, mean_edge)}};
+}
+
+Json json_of(const std::optional<TruthComparison>& t) {
+  if (!t) return nullptr;
+  return {
+      {"mean_edge", t->mean_edge},
+      {"crease_angle_degrees", t->crease_angle},
+      {"crease_width", t->crease_width},
+      {"creases", t->creases},
+      {"crease_length", t->crease_length},
+      {"result", json_of(t->result, t->mean_edge)},
+      {"input", json_of(t->input)},
+      {"floor", json_of(t->floor, t->mean_edge)},
+  };
+}
+
 }  // namespace
 
 std::string to_json(const CompareResult& r) {
@@ -93,6 +146,7 @@ std::string to_json(const CompareResult& r) {
       {"limit", r.limit ? Json(*r.limit) : Json()},
       {"within_limit", r.limit ? Json(r.within_limit()) : Json()},
       {"deviation_sign", name_of(r.sign)},
+      {"truth", json_of(r.truth)},
   });
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <utility>
 #include <vector>
@@ -95,9 +96,13 @@ Moments moments_of(const std::vector<double>& squared) {
   return m;
 }
 
-std::vector<double> distances_of(const std::vector<ClosestPoint>& found) {
+const ClosestPoint& closest_of(const ClosestPoint& found) { return found; }
+const ClosestPoint& closest_of(const SampleError& found) { return found.closest; }
+
+template <class Found>
+std::vector<double> distances_of(const std::vector<Found>& found) {
   std::vector<double> distances(found.size());
-  for (std::size_t i = 0; i < found.size(); ++i) distances[i] = std::sqrt(found[i].squared_distance);
+  for (std::size_t i = 0; i < found.size(); ++i) distances[i] = std::sqrt(closest_of(found[i]).squared_distance);
   return distances;
 }
 
@@ -122,9 +127,22 @@ Distribution distribution_of(std::vector<double> values) {
   return d;
 }
 
-// Accurate for small angles and for those near 180, where an arc cosine loses half the digits.
-double angle_in_degrees(const Vec3& a, const Vec3& b) {
-  return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
+double angle_between(const TriangleSoup& from, std::size_t facet, const TriangleSoup& to, std::uint32_t closest) {
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  if (closest == kNoFacet) return kNone;  // a distance that is no number
+  const Vec3 m = facet_normal_2a(from, facet), n = facet_normal_2a(to, closest);
+  return m != Vec3{} && n != Vec3{} ? angle_in_degrees(m, n) : kNone;
+}
+
+SampleError error_of(const Vec3& at, const TriangleSoup& from, std::size_t facet, const TriangleSoup& to, const ClosestQuery& closest) {
+  const ClosestPoint found = closest(at);
+  return {at, static_cast<std::uint32_t>(facet), found, angle_between(from, facet, to, found.facet)};
+}
+
+std::vector<SampleError> errors_of(const Samples& samples, const TriangleSoup& from, const TriangleSoup& to, const ClosestQuery& closest) {
+  std::vector<SampleError> errors(samples.by_area());
+  parallel_for(errors.size(), [&](std::size_t i) { errors[i] = error_of(samples.on_facet(i), from, samples.facet(i), to, closest); }, kGrain);
+  return errors;
 }
 
 // Some facet around each of the points.
@@ -173,38 +191,45 @@ OneSidedComparison one_sided_comparison(const TriangleSoup& from, const Triangle
   OneSidedComparison result;
   if (from.facets.empty() || to.facets.empty()) return result;
   const Samples samples(from, options);
-  const auto ask = [&](std::size_t count, auto&& point) {
-    std::vector<ClosestPoint> found(count);
-    parallel_for(count, [&](std::size_t i) { found[i] = closest(point(i)); }, kGrain);
-    return found;
-  };
-  const std::vector<ClosestPoint> by_area = ask(samples.by_area(), [&](std::size_t i) { return samples.on_facet(i); });
-  const std::vector<ClosestPoint> by_vertex = ask(samples.by_vertex(), [&](std::size_t i) { return samples.at_vertex(i); });
+  const std::vector<SampleError> by_area = errors_of(samples, from, to, closest);
+  std::vector<ClosestPoint> by_vertex(samples.by_vertex());
+  parallel_for(by_vertex.size(), [&](std::size_t i) { by_vertex[i] = closest(samples.at_vertex(i)); }, kGrain);
 
-  result.distance = distribution_of(distances_of(by_area.empty() ? by_vertex : by_area));
+  result.distance = distribution_of(by_area.empty() ? distances_of(by_vertex) : distances_of(by_area));
   result.distance.samples = by_area.size() + by_vertex.size();
   double farthest = -1;
-  const auto look_for_farthest = [&](const std::vector<ClosestPoint>& found, auto&& point) {
-    for (std::size_t i = 0; i < found.size(); ++i) {
-      if (!(found[i].squared_distance > farthest)) continue;
-      farthest = found[i].squared_distance;
-      result.farthest = point(i);
-      result.opposite = found[i].point;
-    }
+  const auto look_at = [&](const Vec3& point, const ClosestPoint& found) {
+    if (!(found.squared_distance > farthest)) return;
+    farthest = found.squared_distance;
+    result.farthest = point;
+    result.opposite = found.point;
   };
-  look_for_farthest(by_area, [&](std::size_t i) { return samples.on_facet(i); });
-  look_for_farthest(by_vertex, [&](std::size_t i) { return samples.at_vertex(i); });
+  for (const SampleError& e : by_area) look_at(e.at, e.closest);
+  for (std::size_t i = 0; i < by_vertex.size(); ++i) look_at(samples.at_vertex(i), by_vertex[i]);
   result.distance.max = std::sqrt(std::max(farthest, 0.0));
 
   std::vector<double> angles;
   angles.reserve(by_area.size());
-  for (std::size_t i = 0; i < by_area.size(); ++i) {
-    if (by_area[i].facet == kNoFacet) continue;  // a distance that is no number
-    const Vec3 m = facet_normal_2a(from, samples.facet(i)), n = facet_normal_2a(to, by_area[i].facet);
-    if (m != Vec3{} && n != Vec3{}) angles.push_back(angle_in_degrees(m, n));
-  }
+  for (const SampleError& e : by_area)
+    if (!std::isnan(e.angle)) angles.push_back(e.angle);
   result.angle = distribution_of(std::move(angles));
   return result;
+}
+
+std::vector<SampleError> sample_errors(const TriangleSoup& from, const TriangleSoup& to, const ClosestQuery& closest,
+                                       std::size_t samples) {
+  if (from.facets.empty() || to.facets.empty()) return {};
+  return errors_of(Samples(from, {.area_samples = samples, .vertex_samples = 0}), from, to, closest);
+}
+
+SampleError error_at_centroid(const TriangleSoup& from, std::size_t facet, const TriangleSoup& to, const ClosestQuery& closest) {
+  const Vec3 centroid = (from.corner(facet, 0) + from.corner(facet, 1) + from.corner(facet, 2)) / 3;
+  return error_of(centroid, from, facet, to, closest);
+}
+
+// An arc cosine loses half the digits at both ends. [T-COMP-3]
+double angle_in_degrees(const Vec3& a, const Vec3& b) {
+  return std::atan2(norm(cross(a, b)), dot(a, b)) * 180 / std::numbers::pi;
 }
 
 MissingComponents missing_components(const TriangleSoup& welded, const TriangleIndex& other, double tolerance) {

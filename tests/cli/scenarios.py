@@ -404,7 +404,8 @@ def ignored_signals_stay_ignored(box):
 
 @scenario("deviations")
 def comparisons_hold_to_the_schema(box):
-    for more in ([], ["--exact", "--samples", "20"], ["--max", "1%"], ["-o", "d.vtp", "--overwrite"]):
+    for more in ([], ["--exact", "--samples", "20"], ["--max", "1%"], ["-o", "d.vtp", "--overwrite"],
+                 ["--normals"], ["--normals", "--floor", "hole.stl", "--input", "moved.stl", "--samples", "50"]):
         for b in ("moved.stl", "hole.stl", "triangle.stl"):
             expect_valid("compare.schema.json", json.loads(box.run(["compare", "cube.stl", b, "--json", *more]).out))
 
@@ -430,6 +431,32 @@ def a_comparison_says_what_it_found(box):
     expect(open_one["difference"]["volume"] is None, "difference of volumes")
 
 
+# A cube with an edge of 2 about a unit cube: volume 8, and every sample 0.5 away but for those beyond the unit cube's faces.
+@scenario("deviations")
+def a_comparison_with_a_truth_says_what_it_found(box):
+    box.write("large.stl", models.binary_stl([tuple(tuple(2 * c - 0.5 for c in p) for p in t) for t in models.cube()]))
+    result = json.loads(box.succeed(["compare", "large.stl", "cube.stl", "--normals", "--json", "--floor", "cube.stl", "--input", "large.stl",
+                                     "--crease-width", "0.25", "--crease-angle", "45"]).out)
+    truth = result["truth"]
+    expect(truth["result"]["volume_percent"] == 700 and truth["input"]["volume_percent"] == 0, f"volumes: {truth}")
+    expect(truth["creases"] == 12 and truth["crease_length"] == 12 and truth["crease_width"] == 0.25, f"creases: {truth}")
+    mean_edge = (2 + 2 ** 0.5) / 3
+    expect(abs(truth["mean_edge"] - mean_edge) < 1e-15, f"mean edge {truth['mean_edge']}")
+    everywhere = truth["result"]["all"]
+    expect(abs(everywhere["rms_back"] - 0.5) < 1e-12, f"rms back {everywhere['rms_back']}")
+    expect(abs(everywhere["angle_degrees_back"]) < 1e-12, f"angle back {everywhere['angle_degrees_back']}")
+    # Of a face of 2 x 2, u and v beyond the unit square are off by |u| - 1/2: mean square 1/4 + 2 (1/2) (1/12).
+    expect(abs(everywhere["rms_there"] - (1 / 4 + 1 / 12) ** 0.5) < 1e-3, f"rms there {everywhere['rms_there']}")
+    both = ((everywhere["rms_there"] ** 2 + everywhere["rms_back"] ** 2) / 2) ** 0.5
+    expect(abs(everywhere["rms"] - both) < 1e-15 and abs(everywhere["rms_mean_edges"] - both / mean_edge) < 1e-15, f"rms {everywhere['rms']}")
+    expect(everywhere["samples_there"] == 60000, f"samples {everywhere['samples_there']}")
+    # Within 1/4 of its edges a face has 3/4 of its area.
+    near = truth["result"]["near_creases"]
+    expect(abs(near["samples_back"] / 60000 - 0.75) < 1e-3, f"near: {near['samples_back']}")
+    floor = truth["floor"]["figures"]
+    expect(floor["all"]["rms"] < 1e-15 and floor["volume_percent"] == 0, f"floor: {floor}")
+
+
 @scenario("deviations")
 def comparisons_are_the_same_bytes_on_any_number_of_threads(box):
     box.succeed([*DIRTY_KNOT, "a.stl"])
@@ -441,8 +468,11 @@ def comparisons_are_the_same_bytes_on_any_number_of_threads(box):
             out[key] = box.succeed(["compare", "a.stl", "b.stl", "--json", "--threads", threads, *exact]).out
         for suffix in ("vtp", "ply"):
             box.succeed(["compare", "b.stl", "a.stl", "-q", "--threads", threads, "-o", f"{threads}.{suffix}"])
+        out[threads, "truth"] = box.succeed(["compare", "a.stl", "b.stl", "--normals", "--json", "--threads", threads, "--map", f"map{threads}.vtp"]).out
     expect(out["1", False] == out["2", False], "rounded distances differ")
     expect(out["1", True] == out["2", True], "exact distances differ")
+    expect(out["1", "truth"] == out["2", "truth"], "errors against a truth differ")
+    expect(box.read("map1.vtp") == box.read("map2.vtp"), "maps differ")
     for suffix in ("vtp", "ply"):
         expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs")
 
@@ -455,6 +485,8 @@ def lines_of_comparisons_are_at_most_80_columns(box):
                                                       ((-1.23457e-9, 0), (1.23457e-30, -1.23457e-9), (0, 1.23457e-29)))]))
     for a, b in (("far.stl", "cube.stl"), ("farther.stl", "far.stl"), ("hole.stl", "flipped.stl")):
         for line in box.succeed(["compare", a, b]).text().splitlines():
+            expect(len(line) <= 80, f"{len(line)} columns: {line}")
+        for line in box.succeed(["compare", a, b, "--normals", "--floor", a, "--input", b]).text().splitlines():
             expect(len(line) <= 80, f"{len(line)} columns: {line}")
 
 
@@ -485,6 +517,24 @@ def vtk_reads_deviations_with_their_sign(box):
                 expected = 1 if a == "cube.stl" else 3 ** 0.5
                 expect(abs(distance.GetValue(i) - expected) < 1e-12, f"distance {distance.GetValue(i)} of {a}")
                 expect(deviation.GetValue(i) == sign * distance.GetValue(i), f"deviation {deviation.GetValue(i)} of {a}")
+
+
+@scenario("deviations")
+def vtk_reads_maps_of_errors(box):
+    try:
+        import vtk
+    except ImportError:
+        print("skipped: there is no VTK (Debian: python3-vtk9)")
+        return
+    box.succeed(["compare", "moved.stl", "cube.stl", "--normals", "-q", "--map", "m.vtp"])
+    reader = vtk.vtkXMLPolyDataReader()
+    reader.SetFileName(str(box.folder / "m.vtp"))
+    reader.Update()
+    numbers = reader.GetOutput().GetCellData()
+    angle, distance = (numbers.GetArray(name) for name in ("angle_error", "distance_error"))
+    expect(angle.GetNumberOfTuples() == 12, "numbers for all facets")
+    expect(max(angle.GetValue(f) for f in range(12)) < 1e-12, "no facet is turned")
+    expect(sorted(round(distance.GetValue(f), 12) for f in range(12)) == [0] * 8 + [0.125] * 4, "distances of facets")
 
 
 # --- schemas ----------------------------------------------------------------------------------------

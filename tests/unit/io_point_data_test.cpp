@@ -55,6 +55,16 @@ TEST(PointData, VtpAnnouncesItsArraysWhereTheyAre) {
   EXPECT_EQ(raw_at<double>(bytes, data + 8 + 32 + 8), 0.5);
 }
 
+TEST(PointData, VtpHoldsNumbersOfFacets) {
+  const std::string bytes = written({.surface = kSurface, .facet_arrays = {{"angle_error", {0.25, 7}}}}, MarkedFormat::vtp);
+  EXPECT_TRUE(contains(bytes, {"<CellData Scalars=\"angle_error\">", "Name=\"angle_error\"", "</CellData>\n"}));
+  EXPECT_EQ(bytes.find("PointData"), bytes.npos);
+  const std::size_t data = bytes.find("   _") + 4;
+  EXPECT_EQ(raw_at<std::uint64_t>(bytes, data), 16u);
+  EXPECT_EQ(raw_at<double>(bytes, data + 8), 0.25);
+  EXPECT_EQ(raw_at<double>(bytes, data + 16), 7);
+}
+
 // Three numbers a point, in either format; what is no number is 0 in a PLY.
 TEST(PointData, ArraysMayBeVectors) {
   const double nan = std::numeric_limits<double>::quiet_NaN();

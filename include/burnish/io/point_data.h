@@ -1,4 +1,4 @@
-// PointData: a surface with numbers at its points, and the files a viewer opens to show them.
+// PointData: a surface with numbers at its points, or at its facets, and the files a viewer opens to show them.
 //
 //   .vtp  VTK's XML PolyData, float64: one point data array for each of the arrays. ParaView colours by any of them.
 //   .ply  binary little endian PLY, float64: one vertex property for each number of the arrays, and a colour by the first of them. MeshLab
@@ -23,9 +23,10 @@ struct PointArray {
 
 struct PointData {
   const TriangleSoup& surface;     // its points, also unused ones, and facets; names and colours are left out
-  std::vector<PointArray> arrays;  // at least one; the first, of one component, gives the colours
-  std::vector<std::string> comments;  // of a .ply, a line each
-  double color_range = 0;             // of a .ply: where colours end; 0: at the largest value
+  std::vector<PointArray> arrays{};  // at least one, but of a .vtp with facet arrays; the first, of one component, gives the colours
+  std::vector<std::string> comments{};  // of a .ply, a line each
+  double color_range = 0;               // of a .ply: where colours end; 0: at the largest value
+  std::vector<PointArray> facet_arrays{};  // numbers at facets, as cell data; of a .vtp only
 };
 
 // The colour of `value` on a scale from -range to range; values beyond have the ends' colours. Grey for a range of 0.

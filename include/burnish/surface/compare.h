@@ -88,9 +88,27 @@ struct OneSidedComparison {
 };
 
 // The same samples as `one_sided_distance` takes, and more about them. `closest` asks `to`.
-// Same bits for any number of threads. Memory: 64 bytes a sample.
+// Same bits for any number of threads. Memory: about 100 bytes a sample.
 OneSidedComparison one_sided_comparison(const TriangleSoup& from, const TriangleSoup& to, const ClosestQuery& closest,
                                         const CompareOptions& options = {});
+
+// What an area sample of one surface finds on another.
+struct SampleError {
+  Vec3 at;                    // the sample
+  std::uint32_t facet = 0;    // it lies on
+  ClosestPoint closest;       // on the other surface
+  double angle = 0;           // between the normals of both facets, in degrees from 0 to 180; not a number where one of them has no area
+};
+
+// The area samples of `one_sided_comparison`, one by one. Same bits for any number of threads.
+std::vector<SampleError> sample_errors(const TriangleSoup& from, const TriangleSoup& to, const ClosestQuery& closest,
+                                       std::size_t samples);
+
+// The same of the centroid of one facet.
+SampleError error_at_centroid(const TriangleSoup& from, std::size_t facet, const TriangleSoup& to, const ClosestQuery& closest);
+
+// The angle between two vectors in degrees, accurate near 0 and near 180. [T-COMP-3]
+double angle_in_degrees(const Vec3& a, const Vec3& b);
 
 // Components of one surface that another has nothing of.
 struct MissingComponents {
