@@ -239,6 +239,12 @@ void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairRepo
   warn_of_smoothing(done, report);
 }
 
+void move_walls(LevelSet& level_set, const ResolvedOptions& options) {
+  static_cast<void>(level_set);
+  static_cast<void>(options);
+  throw Error(ErrorCode::bug, "not built yet");
+}
+
 std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {
   const Shells pieces = find_shells(surface);
   if (pieces.shells.size() <= prepared.shells.shells.size()) return 0;

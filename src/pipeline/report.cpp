@@ -131,7 +131,9 @@ Json json_of(const GridSummary& g) {
 }
 
 Json json_of(const NoiseEstimate& n) {
-  return {{"sigma", n.sigma}, {"mean_edge", n.mean_edge}, {"correlation", n.correlation}, {"outlier_share", n.outlier_share}, {"crease_share", n.crease_share}};
+  return {{"sigma", n.sigma},           {"residual", n.residual},           {"mean_edge", n.mean_edge},       {"correlation", n.correlation},
+          {"evenness", n.evenness},     {"outlier_share", n.outlier_share}, {"crease_share", n.crease_share}, {"crease_bending", n.crease_bending},
+          {"neighborhoods", n.fits}};
 }
 
 Json json_of(const SmoothingSummary& s) {
