@@ -2,37 +2,247 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
+#include <utility>
 
 #include "burnish/core/parallel.h"
-#include "burnish/levelset/smooth/mean_curvature_flow.h"
 #include "burnish/levelset/volume.h"
+#include "flow_plan.h"
+#include "keep_volume.h"
+#include "surface_diffusion.h"
 
 namespace burnish {
 namespace {
 
-constexpr double kVolumeTolerance = 1e-6;
+using namespace detail;
 
-void clamp_to(const Field<float>& reference, double deviation, Field<float>& phi) {
-  const auto t = static_cast<float>(deviation);
-  parallel_for(phi.values().size(), [&](std::size_t i) {
-    phi.values()[i] = std::clamp(phi.values()[i], reference.values()[i] - t, reference.values()[i] + t);  // [T-FLOW-5]
-  }, 16384);
-}
+constexpr double kLargestCorrection = 0.25;  // of a step's displacement
+constexpr float kStraight = 16;              // 1 / cell^2: more than the sum of squared curvatures that a lattice can show
+constexpr double kFarthestMove = 3;          // cells a step
+constexpr double kGateWidth = 0.5;           // of 1 / radius, over which the gate opens
 
-void shift(Field<float>& phi, double by) {
-  const auto s = static_cast<float>(by);
-  parallel_for(phi.values().size(), [&](std::size_t i) { phi.values()[i] += s; }, 16384);
-}
-
-// A piece of the whole flow's time: may be interrupted.
-class Piece : public Progress {
+// Redistancing is a part of a step: it may be interrupted and reports no progress of its own.
+class PartOfStep : public Progress {
  public:
-  explicit Piece(const Progress& whole) : whole_(whole) {}
+  explicit PartOfStep(const Progress& whole) : whole_(whole) {}
   bool cancelled() const override { return whole_.cancelled(); }
 
  private:
   const Progress& whole_;
+};
+
+// A principal curvature at the closest point of a node, from that of the level set through the node. [T-SMOOTH-8]
+float at_foot(float curvature, float phi) { return curvature / std::clamp(1 - phi * curvature, 0.5f, 2.0f); }
+
+// 0 where all radii of curvature are larger than the radius, 1 where one is clearly smaller. [T-SMOOTH-8]
+float gate_of(float trace, float square, float phi, float radius) {
+  if (!(square < kStraight)) return 0;
+  const float mean = 0.5f * trace, apart = std::sqrt(std::max(0.0f, 0.5f * square - mean * mean));
+  const float largest = std::abs(at_foot(mean < 0 ? mean - apart : mean + apart, phi)) * radius;
+  const float t = std::clamp((largest - 1) / static_cast<float>(kGateWidth), 0.0f, 1.0f);
+  return t * t * (3 - 2 * t);
+}
+
+class Smoothing {
+ public:
+  Smoothing(LevelSet& set, const SmoothingOptions& options, Progress& progress)
+      : set_(set), options_(options), progress_(progress), part_(progress), reach_(std::min(set.band, kFlowBand)), start_(set.phi) {
+    if (options.mobility != nullptr) find_fixed_nodes();
+  }
+
+  SmoothingResult run() {
+    result_.volume_before = enclosed_volume(set_);
+    const FlowPlan plan = flow_plan(options_.mode, options_.length, options_.target_rms ? kStepsToTarget : 1);
+    if (options_.mode == FlowMode::reinit)
+      redistance_excessively(plan);
+    else if (plan.steps > 0)
+      flow(plan);
+    result_.volume_after = enclosed_volume(set_);
+    if (options_.keep_volume)
+      result_.volume_after = shift_to_volume(set_, result_.volume_before, {options_.mobility, [&] { redistance_surface(); }, [&] { constrain(); }}, progress_);
+    result_.rms_moved = rms_moved(set_.phi);
+    return result_;
+  }
+
+ private:
+  static constexpr int kStepsToTarget = 4;
+
+  void flow(const FlowPlan& plan) {
+    SurfaceDiffusion diffusion(set_);
+    double before = 0;
+    for (int step = 1; step <= plan.steps && !result_.reached_target; ++step) {
+      const Field<float> last = options_.target_rms ? set_.phi : Field<float>();
+      displace(diffusion, plan);
+      redistance_surface();
+      constrain();
+      double done = 1;
+      if (options_.target_rms) done = end_at_target(last, before);
+      result_.time += done * plan.step;
+      result_.steps = step;
+      progress_.update(static_cast<double>(step) / plan.steps);
+    }
+  }
+
+  // If the surface has moved too far by now, it moves a part of the last step only. Returns that part. [T-SMOOTH-10]
+  double end_at_target(const Field<float>& last, double& before) {
+    const double now = rms_moved(set_.phi), target = *options_.target_rms;
+    if (now < target) {
+      before = now;
+      return 1;
+    }
+    result_.reached_target = true;
+    const double part = now > before ? std::clamp((target - before) / (now - before), 0.0, 1.0) : 1;
+    const auto t = static_cast<float>(part);
+    parallel_for(last.values().size(), [&](std::size_t i) { set_.phi.values()[i] = last.values()[i] + t * (set_.phi.values()[i] - last.values()[i]); }, 16384);
+    redistance_surface();
+    constrain();
+    return part;
+  }
+
+  // Moves phi by a step of the flow.
+  void displace(SurfaceDiffusion& diffusion, const FlowPlan& plan) {
+    Field<float> gate;
+    if (options_.curvature_radius > 0) gate = curvature_gate(diffusion);
+    diffusion.start(set_, reach_, plan.step, part_);
+    switch (options_.mode) {
+      case FlowMode::mcf: correct(diffusion, plan.step); break;
+      case FlowMode::volume: undo_shrinkage(diffusion, plan.step); break;
+      case FlowMode::filtered: subtract_average(diffusion, plan.filter); break;
+      case FlowMode::reinit: break;
+    }
+    move(diffusion, gate);
+  }
+
+  // The curvature changes while the surface moves. [T-SMOOTH-5]
+  void correct(SurfaceDiffusion& diffusion, double time) {
+    Field<float>& w = diffusion.displacement();
+    Field<float> factor = Field<float>::like(w, 1, 1);
+    diffusion.for_each_bend(set_, [&](std::uint32_t leaf, const Bends& bends) {
+      float* to = factor.block(leaf);
+      for (std::size_t n = 0; n < kBlockNodes; ++n)
+        if (bends.square[n] < kStraight) to[n] = 1 + std::min(static_cast<float>(kLargestCorrection), static_cast<float>(0.5 * time) * bends.square[n]);
+    });
+    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) { w.block(leaf)[n] *= factor.block(leaf)[n]; });
+  }
+
+  // 2 G_t - G_2t. [T-SMOOTH-6]
+  void undo_shrinkage(SurfaceDiffusion& diffusion, double time) {
+    const Field<float> once = diffusion.displacement();
+    diffusion.go_on(time, part_);
+    Field<float>& w = diffusion.displacement();
+    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) { w.block(leaf)[n] = 2 * once.block(leaf)[n] - w.block(leaf)[n]; });
+  }
+
+  // [T-SMOOTH-7]
+  void subtract_average(SurfaceDiffusion& diffusion, double filter) {
+    const Field<float> own = diffusion.displacement();
+    diffusion.average(filter, part_);
+    Field<float>& w = diffusion.displacement();
+    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) { w.block(leaf)[n] = own.block(leaf)[n] - w.block(leaf)[n]; });
+  }
+
+  // From phi that has been smoothed by the shortest of passes: facets of a mesh have edges.
+  Field<float> curvature_gate(SurfaceDiffusion& diffusion) {
+    Field<float> gate = Field<float>::like(set_.phi, 0, 0);
+    diffusion.start(set_, reach_, HeatTaps::kLongest, part_);
+    diffusion.for_each_bend(set_, [&](std::uint32_t leaf, const Bends& bends) {
+      for (std::size_t n = 0; n < kBlockNodes; ++n)
+        gate.block(leaf)[n] = gate_of(bends.trace[n], bends.square[n], std::as_const(set_.phi).block(leaf)[n], static_cast<float>(options_.curvature_radius));
+    });
+    return gate;
+  }
+
+  void move(const SurfaceDiffusion& diffusion, const Field<float>& gate) {
+    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) {
+      float w = std::clamp(diffusion.displacement().block(leaf)[n], static_cast<float>(-kFarthestMove), static_cast<float>(kFarthestMove));
+      if (!gate.empty()) w *= gate.block(leaf)[n];
+      if (options_.mobility != nullptr) w *= options_.mobility->block(leaf)[n];
+      set_.phi.block(leaf)[n] += w;
+    });
+  }
+
+  // Runs body(leaf, node) where the displacement is known.
+  template <class Body>
+  static void for_nodes(const SurfaceDiffusion& diffusion, Body&& body) {
+    parallel_for(diffusion.leaves().size(), [&](std::size_t i) {
+      const std::uint32_t leaf = diffusion.leaves()[i];
+      const float* w = diffusion.displacement().block(leaf);
+      for (std::size_t n = 0; n < kBlockNodes; ++n)
+        if (is_known(w[n])) body(leaf, n);
+    }, 16);
+  }
+
+  void redistance_surface() {
+    RedistanceOptions options;
+    options.method = options_.redistance;
+    options.reach = reach_;
+    if (!fixed_.empty()) options.accepted = &fixed_;
+    result_.unsteady += !redistance(set_, options, part_).steady;
+  }
+
+  // [T-SMOOTH-11]
+  void redistance_excessively(const FlowPlan& plan) {
+    const Field<std::uint8_t> none = Field<std::uint8_t>::like(set_.phi, 0, 0);
+    RedistanceOptions options;
+    options.method = RedistanceMethod::pde_first;
+    options.reach = reach_;
+    options.accepted = &none;
+    options.most_steps = 1;
+    options.steady = 0;
+    for (int step = 1; step <= plan.steps; ++step) {
+      redistance(set_, options, part_);
+      constrain();
+      result_.steps = step;
+      progress_.update(static_cast<double>(step) / plan.steps);
+    }
+  }
+
+  void constrain() {
+    if (!options_.deviation) return;
+    const auto t = static_cast<float>(*options_.deviation);
+    parallel_for(start_.values().size(), [&](std::size_t i) {
+      set_.phi.values()[i] = std::clamp(set_.phi.values()[i], start_.values()[i] - t, start_.values()[i] + t);  // [T-FLOW-5]
+    }, 16384);
+  }
+
+  // Nodes beside the surface that may not move keep phi, bit for bit.
+  void find_fixed_nodes() {
+    fixed_ = Field<std::uint8_t>::like(set_.phi, 0, 0);
+    parallel_for(start_.values().size(), [&](std::size_t i) {
+      fixed_.values()[i] = options_.mobility->values()[i] == 0 && std::abs(start_.values()[i]) < static_cast<float>(std::numbers::sqrt3);
+    }, 16384);
+  }
+
+  // Nodes within a cell's half of the surface are beside it, whatever their neighbours are.
+  double rms_moved(const Field<float>& phi) const {
+    struct Sum {
+      double squares = 0, count = 0;
+    };
+    const Sum sum = parallel_reduce(
+        phi.values().size(), 16384, Sum{},
+        [&](std::size_t begin, std::size_t end) {
+          Sum part;
+          for (std::size_t i = begin; i < end; ++i) {
+            if (std::abs(phi.values()[i]) > 0.5f) continue;
+            const double moved = static_cast<double>(phi.values()[i]) - start_.values()[i];
+            part.squares += moved * moved;
+            part.count += 1;
+          }
+          return part;
+        },
+        [](const Sum& a, const Sum& b) { return Sum{a.squares + b.squares, a.count + b.count}; });
+    return sum.count > 0 ? std::sqrt(sum.squares / sum.count) : 0;
+  }
+
+  LevelSet& set_;
+  const SmoothingOptions& options_;
+  Progress& progress_;
+  PartOfStep part_;
+  const double reach_;
+  const Field<float> start_;
+  Field<std::uint8_t> fixed_;
+  SmoothingResult result_;
 };
 
 }  // namespace
@@ -47,53 +257,8 @@ std::string_view name(FlowMode mode) {
   return "";
 }
 
-double flow_time_for(FlowMode, double length) {
-  return std::numbers::ln10 * length * length / (4 * std::numbers::pi * std::numbers::pi);  // [T-FLOW-4]
-}
-
-double room_for_smoothing(FlowMode mode, double length) { return 2 * std::sqrt(flow_time_for(mode, length)); }  // [T-FLOW-7]
-
 SmoothingResult smooth(LevelSet& level_set, const SmoothingOptions& options, Progress& progress) {
-  SmoothingResult result;
-  result.volume_before = enclosed_volume(level_set);
-  Field<float> reference;
-  if (options.deviation) reference = level_set.phi;
-  const auto constrain = [&] {
-    if (options.deviation) clamp_to(reference, *options.deviation, level_set.phi);
-  };
-  const double time = flow_time_for(options.mode, options.length);
-  const int pieces = static_cast<int>(std::ceil(time));
-  Piece piece(progress);
-  for (int i = 1; i <= pieces; ++i) {
-    const FlowResult flow = mean_curvature_flow(level_set, time / pieces, piece, options.redistance);
-    constrain();
-    result.steps += flow.steps;
-    result.unsteady += flow.unsteady;
-    progress.update(static_cast<double>(i) / pieces);
-  }
-  result.time = time;
-  result.volume_after = enclosed_volume(level_set);
-  if (!options.keep_volume) return result;
-
-  // Secant method for the shift, from a first step of a twentieth of a cell. [T-FLOW-6]
-  const Field<float> flowed = level_set.phi;
-  double s0 = 0, v0 = result.volume_after;
-  double s1 = v0 < result.volume_before ? 0.05 : -0.05;
-  for (int iteration = 0; iteration < 8; ++iteration) {
-    if (std::abs(result.volume_after - result.volume_before) <= kVolumeTolerance * std::abs(result.volume_before)) break;
-    progress.check();
-    level_set.phi = flowed;
-    shift(level_set.phi, s1);
-    constrain();
-    result.volume_after = enclosed_volume(level_set);
-    const double slope = (result.volume_after - v0) / (s1 - s0);
-    if (!(slope > 0)) break;
-    s0 = s1;
-    v0 = result.volume_after;
-    s1 = std::clamp(s1 + (result.volume_before - v0) / slope, -1.0, 1.0);
-    if (s1 == s0) break;
-  }
-  return result;
+  return Smoothing(level_set, options, progress).run();
 }
 
 }  // namespace burnish
