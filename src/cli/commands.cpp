@@ -13,6 +13,7 @@ namespace burnish {
 const std::vector<CommandEntry>& commands() {
   static const std::vector<CommandEntry> table = {
       {"clean", "repair a file; the word 'clean' may be left out", make_clean_command},
+      {"sweep", "repair a file once and smooth it at several strengths", make_sweep_command},
       {"check", "look at a file without changing it", make_check_command},
       {"compare", "say how far two surfaces are from each other", make_compare_command},
       {"field", "build the level set on its octree: report, check and export it", make_field_command},

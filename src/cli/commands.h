@@ -12,6 +12,7 @@
 namespace burnish {
 
 std::unique_ptr<Command> make_clean_command();    // burnish IN -o OUT
+std::unique_ptr<Command> make_sweep_command();    // burnish sweep IN --smooth L,L -o OUT-{}.stl
 std::unique_ptr<Command> make_check_command();    // burnish check FILE
 std::unique_ptr<Command> make_compare_command();  // burnish compare A B
 std::unique_ptr<Command> make_field_command();    // burnish field FILE

@@ -1,0 +1,312 @@
+#include "clean_run.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "burnish/surface/transfer.h"
+#include "losses.h"
+#include "resolve_options.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
+constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
+
+}  // namespace
+
+CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), shared_(base.shared_) {
+  const bool cell_was_chosen = report_.options.cell_was_chosen;
+  report_.options = resolve_lengths(job.options, report_.before.box.diagonal());
+  report_.options.cell_was_chosen = cell_was_chosen;
+  take_output(std::move(output));
+}
+
+void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
+  output_ = std::move(output);
+  report_.output = job_.output;
+  report_.output_format = name(output_->format());
+}
+
+bool CleanRun::open() {
+  read(job_.salvage, job_.options);
+  take_output(std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+  return prepare(job_.options);
+}
+
+void CleanRun::run() {
+  plan();
+  if (!repair_locally()) rebuild();
+  publish();
+}
+
+RepairReport CleanRun::take_report() {
+  clock_.end();
+  report_.stages = clock_.stages();
+  return std::move(report_);
+}
+
+// Cells are those of the shortest length, the band and the room those of the longest.
+void CleanRun::share_level_set(const std::vector<Length>& strengths) {
+  plan();
+  if (!plan_.flows()) return;
+  begin("distances and signs");
+  const double diagonal = report_.before.box.diagonal();
+  const auto shorter = [&](const Length& a, const Length& b) { return a.in_model_units(diagonal, 1) < b.in_model_units(diagonal, 1); };
+  const auto [least, most] = std::minmax_element(strengths.begin(), strengths.end(), shorter);
+  if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
+  options_.smooth = *least;
+  resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
+  report_.options.smooth = most->in_model_units(diagonal, report_.options.cell);
+  shared_ = std::make_shared<const BuiltLevelSet>(build_level_set(prepared_, report_, progress_));
+}
+
+void CleanRun::plan() {
+  if (job_.options.smooths()) begin("estimating noise");
+  plan_ = plan_smoothing(job_.options, prepared_, report_);
+  options_ = with_plan(job_.options, plan_);
+}
+
+// --- the local gear
+
+double CleanRun::local_tolerance() const {
+  // Joining both sides of a gap moves them as far as was asked for.
+  return std::max(kLocalTolerance * report_.before.box.diagonal(), report_.options.gap.value_or(0));
+}
+
+bool CleanRun::repair_locally() {
+  std::string why_not = reason_against_local(job_.options, plan_.flows());
+  if (why_not.empty() && (plan_.denoises() ? try_denoised(why_not) : try_local(why_not))) return true;
+  report_.method = name(Method::level_set);
+  report_.method_reason = why_not;
+  forget_attempt();
+  if (job_.options.method != Method::local) return false;
+  report_.method = name(Method::local);
+  report_.failure = Error(ErrorCode::guarantee_unmet, "local repair cannot do it: " + why_not, "leave --method out, or say --method levelset");
+  return true;
+}
+
+bool CleanRun::is_fine_as_it_is() const {
+  return report_.before.valid_solid() && prepared_.source.size() == input_.facets.size() && report_.actions.facets_flipped == 0;
+}
+
+bool CleanRun::try_local(std::string& why_not) {
+  begin("repairing locally");
+  const bool fine = is_fine_as_it_is();
+  std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, {.max_hole = {}, .float32 = stores_float32(output_->format())}, report_, progress_, why_not);
+  if (!solution || !verify_local(*solution, why_not)) return false;
+  begin("measuring");
+  why_not = objection_to(*solution, result_, input_, prepared_, local_tolerance(), report_);
+  if (!why_not.empty()) return false;
+  warn_of_losses({});
+  sources_ = std::move(solution->source);
+  report_.method = name(Method::local);
+  report_.method_reason = fine ? "the input is valid as it is" : report_.losses.empty() ? "what is broken could be mended where it is, and nothing is lost"
+                                                                                      : "what is broken could be mended where it is";
+  return true;
+}
+
+bool CleanRun::try_denoised(std::string& why_not) {
+  begin("smoothing");
+  std::optional<DenoisedSolution> solution =
+      solve_denoised(input_, prepared_, plan_, is_fine_as_it_is(), stores_float32(output_->format()), local_tolerance(), report_, progress_, why_not);
+  if (!solution || !verify_local(solution->solution, why_not)) return false;
+  begin("measuring");
+  why_not = objection_to_mending(*solution, result_, local_tolerance() + report_.smoothing.max_moved, report_);
+  if (!why_not.empty()) return false;
+  measure_deviation(TriangleIndex(result_), {});
+  hold_deviation(solution->surface.before, kLocalTolerance * report_.options.deviation.value_or(0));
+  warn_of_losses({});
+  sources_ = std::move(solution->solution.source);
+  report_.method = name(Method::local);
+  report_.method_reason = "facets could be denoised where they are";
+  return true;
+}
+
+bool CleanRun::verify_local(const LocalSolution& solution, std::string& why_not) {
+  begin("verifying");
+  inspect_result(output_->write_and_read_back(solution.soup));
+  result_ = output_->take_result();
+  if (!report_.verified) why_not = "its result is not valid once it is written";
+  return report_.verified;
+}
+
+// The bound on the deviation is one from the surface before it was smoothed.
+void CleanRun::hold_deviation(const TriangleSoup& repaired, double slack) {
+  if (!report_.options.deviation || plan_.mode == SmoothMode::automatic) return;
+  report_.smoothing.deviation = one_sided_distance(result_, TriangleIndex(repaired)).max;
+  const double bound = *report_.options.deviation;
+  if (report_.smoothing.deviation <= bound + slack) return;
+  report_.verified = false;
+  report_.failure = Error(ErrorCode::guarantee_unmet,
+                          fmt::format("the result is {:.4g} from the repaired surface, and --deviation allows {:.4g}", report_.smoothing.deviation, bound),
+                          "allow more, smooth less, or choose a smaller --cell; --allow-invalid writes the result as it is");
+}
+
+void CleanRun::inspect_result(const TriangleSoup& result) {
+  const bool same = result.points == input_.points && result.facets == input_.facets;
+  report_.after = same ? report_.before : inspect(result, {}, progress_).defects;
+  judge_result();
+}
+
+void CleanRun::judge_result() {
+  report_.is_sheet = job_.options.keeps_openings() && report_.after.open_edges > 0;
+  report_.verified = report_.is_sheet ? report_.after.valid_sheet() : report_.after.valid_solid();
+}
+
+// What a local repair that was not taken has left in the report.
+void CleanRun::forget_attempt() {
+  RepairActions& a = report_.actions;
+  a.facets_cut = a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_removed = a.facets_added = 0;
+  a.largest_split = 0;
+  report_.changes.clear();
+  report_.losses.clear();
+  report_.deviation = {};
+  report_.after = {};
+  report_.verified = report_.is_sheet = false;
+  tell_holes(prepared_, report_);
+}
+
+// --- the level set gear
+
+void CleanRun::rebuild() {
+  begin("distances and signs");
+  if (report_.options.deviation || options_.deviation) surface_before_ = prepared_.capped.soup;
+  if (plan_.denoises()) denoise_prepared(prepared_, plan_, report_, progress_);
+  if (shared_) {
+    const bool was_chosen = report_.options.cell_was_chosen;
+    options_.cell = Length{shared_->level_set.frame.cell, LengthUnit::model};
+    options_.resolution.reset();
+    resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
+    report_.options.cell_was_chosen = was_chosen;
+  } else {
+    if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
+    resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
+  }
+  const std::size_t warnings = report_.warnings.size();
+  build_and_extract();
+  if (!report_.failure || !report_.options.adapt || output_->float_steps_too_coarse()) return;
+  // What is wrong at cells of two levels cannot be mended; finest cells everywhere can.
+  report_.warnings.resize(warnings);
+  report_.warnings.push_back("with coarser cells the result was no valid surface: --adapt was left out");
+  report_.failure.reset();
+  report_.options.adapt.reset();
+  begin("distances and signs");
+  build_and_extract();
+}
+
+void CleanRun::build_and_extract() {
+  BuiltLevelSet built = shared_ ? *shared_ : build_level_set(prepared_, report_, progress_);
+  if (plan_.flows()) {
+    begin("smoothing");
+    smooth_level_set(built.level_set, plan_, report_, progress_);
+  }
+  if (report_.options.moves_walls()) move_walls(built.level_set, report_.options);
+  if (report_.options.adapt && (plan_.flows() || report_.options.thicken || report_.options.moves_walls())) {
+    begin("coarsening");
+    coarsen_level_set(built.level_set, report_, progress_);
+  }
+  extract(built.level_set);
+  measure(built.roles);
+}
+
+void CleanRun::extract(const LevelSet& level_set) {
+  begin("extracting and verifying");
+  CleanedOutput::Finish finish;
+  if (report_.options.max_hole && !job_.options.thicken)
+    finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
+  const auto sift = [&](TriangleSoup& surface) {
+    report_.actions.debris_dropped = leave_out_debris(surface, prepared_, level_set.frame);
+  };
+  report_.after = output_->write_verified(level_set, sift, finish, progress_).defects;
+  if (report_.actions.debris_dropped > 0)
+    report_.warnings.push_back(fmt::format("{} small pieces that stand for no component of the input were left out", report_.actions.debris_dropped));
+  judge_result();
+  if (!report_.verified || output_->float_steps_too_coarse()) {
+    report_.verified = false;
+    report_.failure = output_->reason_for_failure(report_.after, report_.options);
+  }
+  result_ = output_->take_result();
+}
+
+// Samples of the input beyond options.far_beyond of the result are gathered.
+std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_index, const CompareOptions& options) {
+  report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
+  progress_.check();
+  std::vector<FarSample> far;
+  report_.deviation.input_to_output = one_sided_distance(input_, result_index, options, &far);
+  return far;
+}
+
+void CleanRun::measure(const std::vector<FacetRole>& roles) {
+  if (result_.facets.empty()) return;
+  begin("measuring");
+  const ResolvedOptions& o = report_.options;
+  const TriangleIndex result_index(result_);
+  const double limit = kLossCells * o.cell + 0.5 * o.smooth + 0.5 * o.thicken.value_or(0) + 2 * o.adapt.value_or(0) + report_.smoothing.max_moved + std::abs(o.offset.value_or(0));
+  tell_losses(measure_deviation(result_index, {.far_beyond = limit}), roles, result_index, limit);
+  if (!o.moves_walls()) hold_deviation(surface_before_, o.cell);
+}
+
+// Nothing is lost silently.
+void CleanRun::tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
+  std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
+  for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
+  const auto role = [&](std::uint32_t f) { return prepared_facet[f] == kNoFacet ? FacetRole::boundary : roles[prepared_facet[f]]; };
+  report_.losses = gather_losses(far, report_.before.box.diagonal(), [&](const FarSample& sample) -> std::string {
+    const FacetFate fate = prepared_.fates[sample.facet];
+    const bool inside = role(sample.facet) == FacetRole::interior || result_index.winding_number(sample.at) > 0.5;
+    if (!report_.is_sheet && inside) return std::string(reason(FacetFate::absorbed));
+    if (fate != FacetFate::used) return std::string(reason(fate));
+    if (role(sample.facet) == FacetRole::unresolved) return "thinner than a cell";
+    return smooths() ? "smoothed away" : "not resolved";
+  });
+  // What was dropped, or lies inside, is missing on purpose.
+  TriangleSoup wanted{input_.points, {}, {}};
+  for (std::uint32_t f = 0; f < input_.facets.size(); ++f)
+    if (prepared_.fates[f] == FacetFate::sheet || (prepared_.fates[f] == FacetFate::used && role(f) != FacetRole::interior))
+      wanted.facets.push_back(input_.facets[f]);
+  const MissingComponents missing = missing_components(wanted, result_index, limit);
+  report_.actions.components_lost = missing.count;
+  for (ComponentFate& c : report_.components) {
+    if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;
+    c.fate = "lost";
+    c.reason = smooths() ? "thinner than a cell, or smoothed away" : "thinner than a cell";
+  }
+  warn_of_losses(missing);
+}
+
+void CleanRun::warn_of_losses(const MissingComponents& missing) {
+  report_.actions.area_lost = 0;
+  for (const Loss& loss : report_.losses) report_.actions.area_lost += loss.reason == reason(FacetFate::absorbed) ? 0 : loss.area;
+  if (missing.count > 0)
+    report_.warnings.push_back(fmt::format(
+        "{} of the input's components ({:.3g} of area) are not in the result, being thinner than a cell or smaller than the smoothing "
+        "length; the largest is at ({:.6g}, {:.6g}, {:.6g})",
+        missing.count, missing.area, missing.largest_at.x, missing.largest_at.y, missing.largest_at.z));
+  const auto worst = std::find_if(report_.losses.begin(), report_.losses.end(), [](const Loss& l) { return l.reason != reason(FacetFate::absorbed) && l.area > 0; });
+  if (worst != report_.losses.end())
+    report_.warnings.push_back(fmt::format("parts of the input with {:.3g} of area are not in the result; the largest is at ({:.6g}, {:.6g}, {:.6g}): {}",
+                                           report_.actions.area_lost, worst->position.x, worst->position.y, worst->position.z, worst->reason));
+}
+
+void CleanRun::publish() {
+  if (report_.failure && !job_.allow_invalid) return;
+  if (report_.after.facets == 0) return;
+  begin("writing");
+  if (!input_.groups.empty() || !input_.colors.empty()) decorate();
+  output_->publish();
+  report_.written = true;
+}
+
+// The result with the input's names and colours: the same facets, in another order.
+void CleanRun::decorate() {
+  const bool all_known = !sources_.empty() && std::find(sources_.begin(), sources_.end(), kNoFacet) == sources_.end();
+  transfer_attributes(input_, TriangleIndex(all_known ? TriangleSoup{} : input_), result_, sources_);
+  output_->write_and_read_back(result_);
+}
+
+}  // namespace burnish

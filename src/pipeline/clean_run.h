@@ -1,0 +1,81 @@
+// One cleaning run: the stages, in order, and what goes from one to the next.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/pipeline/clean.h"
+#include "burnish/surface/compare.h"
+#include "burnish/surface/triangle_index.h"
+#include "cleaned_output.h"
+#include "denoised.h"
+#include "level_set_gear.h"
+#include "local_gear.h"
+#include "smoothing_plan.h"
+#include "solid_run.h"
+
+namespace burnish {
+
+class CleanRun : private SolidRun {
+ public:
+  CleanRun(const CleanJob& job, Progress& progress) : SolidRun(job.input, progress), job_(job) {}
+  // A run with other options and another output on the input that `base` has prepared, and on its level set if it shares one.
+  CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output);
+
+  // Reads the input, creates the output's temporary file, and prepares the input. False if it bounds no solid: the report says why.
+  bool open();
+  // Builds a level set that smoothing by any of these lengths can start from, if the level set is to be smoothed.
+  void share_level_set(const std::vector<Length>& strengths);
+  // Repairs, smooths, verifies, measures and publishes.
+  void run();
+
+  // To be called last.
+  RepairReport take_report();
+
+ private:
+  void take_output(std::unique_ptr<CleanedOutput> output);
+  // Chooses how to smooth.
+  void plan();
+
+  // --- the local gear
+  double local_tolerance() const;
+  bool repair_locally();
+  bool is_fine_as_it_is() const;
+  bool try_local(std::string& why_not);
+  bool try_denoised(std::string& why_not);
+  bool verify_local(const LocalSolution& solution, std::string& why_not);
+  // The bound on the deviation is one from the surface before it was smoothed.
+  void hold_deviation(const TriangleSoup& repaired, double slack);
+  void inspect_result(const TriangleSoup& result);
+  void judge_result();
+  // What a local repair that was not taken has left in the report.
+  void forget_attempt();
+
+  // --- the level set gear
+  void rebuild();
+  void build_and_extract();
+  void extract(const LevelSet& level_set);
+  // Samples of the input beyond options.far_beyond of the result are gathered.
+  std::vector<FarSample> measure_deviation(const TriangleIndex& result_index, const CompareOptions& options);
+  void measure(const std::vector<FacetRole>& roles);
+  // Nothing is lost silently.
+  void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit);
+  bool smooths() const { return plan_.mode != SmoothMode::automatic; }
+  void warn_of_losses(const MissingComponents& missing);
+  void publish();
+  // The result with the input's names and colours: the same facets, in another order.
+  void decorate();
+
+  CleanJob job_;
+  CleanOptions options_;  // the job's, with what was chosen for it
+  SmoothingPlan plan_;
+  std::unique_ptr<CleanedOutput> output_;
+  std::shared_ptr<const BuiltLevelSet> shared_;  // before smoothing
+  TriangleSoup surface_before_;         // the level set's, before smoothing; where a bound on the deviation was given
+  TriangleSoup result_;                 // read back, welded
+  std::vector<std::uint32_t> sources_;  // facets of the input behind those of the result, after a local repair
+};
+
+}  // namespace burnish
