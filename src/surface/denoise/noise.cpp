@@ -9,6 +9,7 @@
 #include "noise_creases.h"
 #include "noise_hinges.h"
 #include "noise_patch.h"
+#include "outliers.h"
 
 namespace burnish {
 namespace {
@@ -19,6 +20,7 @@ constexpr double kMostLeverage = 0.9;
 // What neighbours' residuals are correlated by where they are all shape; how large such residuals get, in mean edges.
 constexpr double kShapeCorrelation = 0.3, kMostShape = 0.1;
 constexpr double kLeastEvenness = 2.0 / 3, kLeastHinge = 0.4;
+constexpr double kFewOutliers = 0.001;  // of the points: not worth another look
 constexpr double kReach = 3.5;  // of a patch, in sigma
 constexpr std::array<double, 3> kQuantiles{0.1, 0.25, 0.5}, kNormalQuantiles{-1.28155, -0.67449, 0};
 
@@ -144,25 +146,44 @@ void judge(const std::vector<Sample>& samples, const std::array<double, 3>& leve
   if (estimate.evenness >= kLeastEvenness && hinges >= kLeastHinge * estimate.residual) estimate.sigma = std::sqrt(variance - shape);
 }
 
+// Sets what is known of the level, from scratch.
+void set_level(const TriangleSoup& soup, const EdgeTable& edges, const PointGraph& graph, NoiseEstimate& estimate) {
+  estimate.sigma = estimate.residual = estimate.correlation = estimate.evenness = 0;
+  const Sampler sampler(soup, graph);
+  double reach = 0;  // patches must be wider than the noise is high, or they are fitted to its folds
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<Sample> samples = sampler.samples(reach, false);
+    estimate.fits = samples.size();
+    if (!estimate.has_neighborhoods()) return;
+    const auto level = levels(samples);
+    reach = kReach * std::sqrt(*std::min_element(level.begin(), level.end()));
+    if (reach < 0.5 * estimate.mean_edge) break;
+  }
+  const std::vector<Sample> samples = sampler.samples(reach, true);
+  if (!samples.empty()) judge(samples, levels(samples), hinge_level(soup, edges), rounding(soup), estimate);
+}
+
+// Outliers are in the level, and the level decides what is one: twice is enough.
+void set_level_without_outliers(const TriangleSoup& soup, const EdgeTable& edges, NoiseEstimate& estimate) {
+  const PointGraph graph = point_graph(soup, edges);
+  set_level(soup, edges, graph, estimate);
+  for (int round = 0; round < 2 && estimate.has_neighborhoods(); ++round) {
+    const std::vector<Outlier> outliers = search_outliers(soup, graph, estimate);
+    estimate.outlier_share = static_cast<double>(outliers.size()) / static_cast<double>(soup.points.size());
+    if (estimate.outlier_share < kFewOutliers) return;
+    TriangleSoup clamped = soup;
+    clamp_outliers(outliers, clamped);
+    set_level(clamped, edges, graph, estimate);
+  }
+}
+
 }  // namespace
 
 NoiseEstimate estimate_noise(const TriangleSoup& oriented) {
   NoiseEstimate estimate;
   estimate.mean_edge = mean_edge_length(oriented);
   const EdgeTable edges(oriented);
-  const PointGraph graph = point_graph(oriented, edges);
-  const Sampler sampler(oriented, graph);
-  double reach = 0;  // patches must be wider than the noise is high, or they are fitted to its folds
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::vector<Sample> samples = sampler.samples(reach, false);
-    estimate.fits = samples.size();
-    if (!estimate.has_neighborhoods()) return estimate;
-    const auto level = levels(samples);
-    reach = kReach * std::sqrt(*std::min_element(level.begin(), level.end()));
-    if (reach < 0.5 * estimate.mean_edge) break;
-  }
-  const std::vector<Sample> samples = sampler.samples(reach, true);
-  judge(samples, levels(samples), hinge_level(oriented, edges), rounding(oriented), estimate);
+  set_level_without_outliers(oriented, edges, estimate);
   set_creases(oriented, edges, estimate);
   return estimate;
 }
