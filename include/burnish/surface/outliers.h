@@ -18,7 +18,8 @@ struct Outlier {
 };
 
 // Points far from a quadric that is fitted to their neighbourhood (two rings, without the point itself) so that a minority of displaced neighbours has no
-// say: farther than 5 standard deviations, of the noise and of what the neighbours themselves are off by, and than a quarter of the edges around. [T-OUTLIER-1]
+// say: farther than 5 standard deviations, of the noise and of what the neighbours themselves are off by, and than half an edge
+// (0.2 edges where there is noise). [T-OUTLIER-1]
 // Corners, creases and tips of cones are none: some part of the surface around goes through them. [T-OUTLIER-2] In ascending order of points. Linear; open,
 // non-manifold and degenerate places are left out. `noise`: of the same soup. Same bits for any number of threads.
 std::vector<Outlier> find_outliers(const TriangleSoup& oriented, const NoiseEstimate& noise);

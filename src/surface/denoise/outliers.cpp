@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kDeviations = 5, kCandidate = 0.5;
 constexpr std::size_t kPatchPoints = 17, kLeastPoints = 12, kSamples = 4000, kGrain = 4096;
-constexpr int kAbsolutePasses = 4, kBisquarePasses = 3;
+constexpr int kAbsolutePasses = 4, kBisquarePasses = 3, kRounds = 3;
 constexpr double kBisquare = 4.685, kNormalMad = 1.4826;
 constexpr double kQuarter = 0.25, kQuarterOfNormal = 0.31864;  // |x| < 0.31864 for a quarter of a standard normal distribution
 
@@ -20,8 +20,9 @@ struct Rule {
   double least_edges;   // an outlier's least distance, in edges around it
   double tolerance;     // of a plane passing it, of its distance
   std::size_t passing;  // planes that make it part of the surface
+  int suspects;         // among its neighbours, up to which they do not speak for each other
 };
-constexpr Rule kWithoutNoise{0.5, 0.15, 1}, kWithNoise{0.2, 0.05, 3};
+constexpr Rule kWithoutNoise{0.5, 0.15, 1, 1}, kWithNoise{0.2, 0.05, 3, 3};
 
 using Values = std::array<double, PatchCollector::kMost>;
 
@@ -96,17 +97,26 @@ class Search {
       : soup_(soup), points_(soup.points), graph_(graph), fans_(fans_of(soup)), rule_(noise.noisy() ? kWithNoise : kWithoutNoise),
         sigma_(noise.noisy() ? core_of_noise(noise.sigma) : noise.sigma) {}
 
-  std::vector<Outlier> run() const {
+  // Facets of outliers pass other outliers. So points that a plane has spoken for are suspects, and are looked at again without facets of those found.
+  std::vector<Outlier> run() {
     std::vector<Outlier> found(points_.size());
-    parallel_ranges(points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-      PatchCollector collector(graph_);
-      for (std::size_t p = begin; p < end; ++p) found[p] = examine(static_cast<std::uint32_t>(p), collector);
-    });
+    verdict_.assign(points_.size(), Verdict::open);
+    for (round_ = 0; round_ < kRounds; ++round_) {
+      std::vector<Verdict> verdict = verdict_;
+      parallel_ranges(points_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        PatchCollector collector(graph_);
+        for (std::size_t p = begin; p < end; ++p)
+          if (verdict_[p] == Verdict::open) verdict[p] = examine(static_cast<std::uint32_t>(p), collector, found[p]);
+      });
+      verdict_.swap(verdict);
+    }
     std::erase_if(found, [](const Outlier& o) { return !(o.distance > 0); });
     return found;
   }
 
  private:
+  enum class Verdict : std::uint8_t { open, inlier, outlier };
+
   PatchSystem system_at(std::span<const std::uint32_t> patch) const {
     PatchSystem system = patch_system(patch, graph_, points_);
     system.valid = system.valid && patch.size() >= kLeastPoints;
@@ -148,29 +158,37 @@ class Search {
     return neighbors.empty() ? 0 : sum / static_cast<double>(neighbors.size());
   }
 
-  Outlier examine(std::uint32_t p, PatchCollector& collector) const {
-    if (graph_.irregular[p]) return {};
+  Verdict examine(std::uint32_t p, PatchCollector& collector, Outlier& outlier) const {
+    if (graph_.irregular[p]) return Verdict::inlier;
     const auto patch = collector.collect(p, kPatchPoints, 0, points_);
-    if (patch.size() < kLeastPoints) return {};
+    if (patch.size() < kLeastPoints) return Verdict::inlier;
     const double least = std::max(kDeviations * sigma_, rule_.least_edges * edge_around(p));
     const PatchFit plain = fit_patch(patch, graph_, points_);
     // A residual over 1 - leverage is the distance from the fit of the others.
-    if (!plain.valid || !(std::abs(plain.residual) > kCandidate * least * (1 - plain.leverage))) return {};
+    if (!plain.valid || !(std::abs(plain.residual) > kCandidate * least * (1 - plain.leverage))) return Verdict::inlier;
     const PatchSystem system = system_at(patch);
     const RobustFit fit = system.valid ? robust_fit(system, sigma_) : RobustFit{};
     const double distance = std::abs(fit.height);
-    if (!fit.valid || !(distance > std::max(least, kDeviations * fit.scale)) || surface_passes(p, patch, rule_.tolerance * distance)) return {};
-    return {p, points_[p], fitted(system, fit, p), distance};
+    if (!fit.valid || !(distance > std::max(least, kDeviations * fit.scale))) return Verdict::inlier;
+    if (surface_passes(p, patch, rule_.tolerance * distance)) return Verdict::open;
+    outlier = {p, points_[p], fitted(system, fit, p), distance};
+    return Verdict::outlier;
   }
 
   // Facets near p that do not use it have planes that pass p within `tolerance`. [T-OUTLIER-2]
   bool surface_passes(std::uint32_t p, std::span<const std::uint32_t> patch, double tolerance) const {
+    // A suspect does not speak for another, unless there are so many that the surface itself is strange here.
+    const auto suspects = std::count_if(patch.begin() + 1, patch.end(), [&](std::uint32_t q) { return verdict_[q] == Verdict::open; });
+    const bool few = round_ > 0 && suspects <= rule_.suspects;
     std::array<std::uint32_t, 3> passing{};
     std::size_t count = 0;
     for (const std::uint32_t q : patch.subspan(1))
       for (const std::uint32_t f : fans_.around(q)) {
         const Facet& facet = soup_.facets[f];
-        if (facet[0] == p || facet[1] == p || facet[2] == p) continue;
+        const auto speaks = [&](std::uint32_t q) {
+          return q != p && verdict_[q] != Verdict::outlier && !(few && verdict_[q] == Verdict::open);
+        };
+        if (!speaks(facet[0]) || !speaks(facet[1]) || !speaks(facet[2])) continue;
         const Vec3 normal = facet_normal_2a(soup_, f);
         if (std::abs(dot(points_[p] - soup_.corner(f, 0), normal)) > tolerance * norm(normal)) continue;
         if (std::find(passing.begin(), passing.begin() + static_cast<std::ptrdiff_t>(count), f) != passing.begin() + static_cast<std::ptrdiff_t>(count)) continue;
@@ -199,6 +217,8 @@ class Search {
   Fans fans_;
   Rule rule_;
   double sigma_;
+  std::vector<Verdict> verdict_;
+  int round_ = 0;
 };
 
 }  // namespace
