@@ -185,8 +185,8 @@ class Search {
     for (const std::uint32_t q : patch.subspan(1))
       for (const std::uint32_t f : fans_.around(q)) {
         const Facet& facet = soup_.facets[f];
-        const auto speaks = [&](std::uint32_t q) {
-          return q != p && verdict_[q] != Verdict::outlier && !(few && verdict_[q] == Verdict::open);
+        const auto speaks = [&](std::uint32_t corner) {
+          return corner != p && verdict_[corner] != Verdict::outlier && !(few && verdict_[corner] == Verdict::open);
         };
         if (!speaks(facet[0]) || !speaks(facet[1]) || !speaks(facet[2])) continue;
         const Vec3 normal = facet_normal_2a(soup_, f);
