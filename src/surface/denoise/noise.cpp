@@ -19,7 +19,7 @@ constexpr int kLeastFreedom = 5;
 constexpr double kMostLeverage = 0.9;
 // What neighbours' residuals are correlated by where they are all shape; how large such residuals get, in mean edges.
 constexpr double kShapeCorrelation = 0.3, kMostShape = 0.1;
-constexpr double kLeastEvenness = 2.0 / 3, kLeastHinge = 0.4;
+constexpr double kLeastEvenness = 0.62, kWeightOfShape = 0.45, kLeastHinge = 0.4;
 constexpr double kFewOutliers = 0.001;  // of the points: not worth another look
 constexpr double kReach = 3.5;  // of a patch, in sigma
 constexpr std::array<double, 3> kQuantiles{0.1, 0.25, 0.5}, kNormalQuantiles{-1.28155, -0.67449, 0};
@@ -152,7 +152,7 @@ void judge(const std::vector<Sample>& samples, const std::array<double, 3>& leve
   const double most = kMostShape * estimate.mean_edge * kMostShape * estimate.mean_edge;
   const double shape = std::min({std::max(0.0, estimate.correlation / kShapeCorrelation) * variance, most, variance});
   const double low = level[0] / level[1], high = level[0] / level[2];
-  estimate.evenness = std::max(low, 0.5 * (std::sqrt(low) + std::sqrt(high))) - kShapeCorrelation * shape / variance;  // [T-NOISE-5]
+  estimate.evenness = std::max(low, 0.5 * (std::sqrt(low) + std::sqrt(high))) - kWeightOfShape * shape / variance;  // [T-NOISE-5]
   if (estimate.evenness >= kLeastEvenness && hinges >= kLeastHinge * estimate.residual) estimate.sigma = std::sqrt(variance - shape);
 }
 
