@@ -9,26 +9,33 @@
 #include "noise_creases.h"
 #include "noise_hinges.h"
 #include "noise_patch.h"
+#include "outliers.h"
 
 namespace burnish {
 namespace {
 
-constexpr std::size_t kSamples = 10000, kPatchPoints = 17;
+constexpr std::size_t kSamples = 10000, kPatchPoints = 17, kPairs = 3;
 constexpr int kLeastFreedom = 5;
 constexpr double kMostLeverage = 0.9;
 // What neighbours' residuals are correlated by where they are all shape; how large such residuals get, in mean edges.
 constexpr double kShapeCorrelation = 0.3, kMostShape = 0.1;
-constexpr double kLeastEvenness = 2.0 / 3, kLeastHinge = 0.4;
+constexpr double kLeastEvenness = 0.62, kWeightOfShape = 0.45, kLeastHinge = 0.4;
+constexpr double kFewOutliers = 0.001;  // of the points: not worth another look
 constexpr double kReach = 3.5;  // of a patch, in sigma
 constexpr std::array<double, 3> kQuantiles{0.1, 0.25, 0.5}, kNormalQuantiles{-1.28155, -0.67449, 0};
 
-// A point and one of its neighbours.
+// A point with one of its neighbours.
+struct Pair {
+  double variance = 0;  // sigma^2, as the neighbour's neighbourhood has it
+  double excess = 0;    // product of the two residuals in units of sigma^2, less what white noise has on average
+  double weight = 0;    // what `excess` were if the two residuals were equal; 0: no pair
+};
+
 struct Sample {
-  bool valid = false, paired = false;
+  bool valid = false;
   int freedom = 0;
-  double variance = 0, neighbor_variance = 0;  // sigma^2, as each of the two neighbourhoods has it
-  double excess = 0;                           // product of the two residuals in units of sigma^2, less what white noise has on average
-  double weight = 0;                           // what `excess` were if the two residuals were equal
+  double variance = 0;  // sigma^2, as the point's neighbourhood has it
+  std::array<Pair, kPairs> pairs;
 };
 
 // Wilson and Hilferty's approximation, for a variable of mean 1: within 1 % from 3 degrees of freedom on. [T-NOISE-2]
@@ -61,21 +68,21 @@ class Sampler {
  public:
   Sampler(const TriangleSoup& soup, const PointGraph& graph) : points_(soup.points), graph_(graph) {}
 
-  // `paired`: with a neighbour each.
+  // `paired`: with neighbours.
   std::vector<Sample> samples(double radius, bool paired) const {
     const std::size_t step = (points_.size() + kSamples - 1) / kSamples;
     if (step == 0) return {};
     std::vector<Sample> all((points_.size() + step - 1) / step);
     parallel_ranges(all.size(), 2500, [&](std::size_t begin, std::size_t end) {
       PatchCollector collector(graph_), other(graph_);
-      for (std::size_t i = begin; i < end; ++i) all[i] = sample(static_cast<std::uint32_t>(i * step), i, radius, paired, collector, other);
+      for (std::size_t i = begin; i < end; ++i) all[i] = sample(static_cast<std::uint32_t>(i * step), radius, paired, collector, other);
     });
     std::erase_if(all, [](const Sample& s) { return !s.valid; });
     return all;
   }
 
  private:
-  Sample sample(std::uint32_t p, std::size_t turn, double radius, bool paired, PatchCollector& collector, PatchCollector& other) const {
+  Sample sample(std::uint32_t p, double radius, bool paired, PatchCollector& collector, PatchCollector& other) const {
     Sample s;
     const auto neighbors = graph_.neighbors(p);
     if (graph_.irregular[p] || neighbors.empty()) return s;
@@ -85,15 +92,19 @@ class Sampler {
     s.valid = true;
     s.freedom = fit.freedom;
     s.variance = fit.rss / fit.freedom;  // [T-NOISE-1]
-    if (!paired) return s;
-    const auto beside = other.collect(neighbors[turn % neighbors.size()], kPatchPoints, radius, points_);
-    const PatchFit next = fit_patch(beside, graph_, points_);
-    if (!usable(next) || !(fit.rss > 0) || !(next.rss > 0) || dot(fit.normal, next.normal) < 0.5) return s;
-    s.paired = true;
-    s.neighbor_variance = next.rss / next.freedom;
-    s.excess = fit.residual * next.residual / std::sqrt(s.variance * s.neighbor_variance) - white_covariance(patch, fit, beside, next);
-    s.weight = std::sqrt((1 - fit.leverage) * (1 - next.leverage));
+    if (!paired || !(fit.rss > 0)) return s;
+    for (std::size_t i = 0; i < kPairs; ++i) {
+      const auto beside = other.collect(neighbors[i * neighbors.size() / kPairs], kPatchPoints, radius, points_);
+      s.pairs[i] = pair(patch, fit, beside, fit_patch(beside, graph_, points_));
+    }
     return s;
+  }
+
+  static Pair pair(std::span<const std::uint32_t> patch, const PatchFit& fit, std::span<const std::uint32_t> beside, const PatchFit& next) {
+    if (!usable(next) || !(next.rss > 0) || dot(fit.normal, next.normal) < 0.5) return {};
+    const double variance = fit.rss / fit.freedom, other_variance = next.rss / next.freedom;
+    return {other_variance, fit.residual * next.residual / std::sqrt(variance * other_variance) - white_covariance(patch, fit, beside, next),
+            std::sqrt((1 - fit.leverage) * (1 - next.leverage))};
   }
 
   const std::vector<Vec3>& points_;
@@ -116,10 +127,11 @@ std::array<double, 3> levels(const std::vector<Sample>& samples) {
 double correlation(const std::vector<Sample>& samples, double level) {
   double sum = 0, weight = 0;
   for (const Sample& s : samples)
-    if (s.paired && s.variance < 2 * level && s.neighbor_variance < 2 * level) {
-      sum += s.excess;
-      weight += s.weight;
-    }
+    for (const Pair& pair : s.pairs)
+      if (s.variance < 2 * level && pair.variance < 2 * level) {
+        sum += pair.excess;
+        weight += pair.weight;
+      }
   return weight > 0 ? sum / weight : 0;
 }
 
@@ -140,8 +152,39 @@ void judge(const std::vector<Sample>& samples, const std::array<double, 3>& leve
   const double most = kMostShape * estimate.mean_edge * kMostShape * estimate.mean_edge;
   const double shape = std::min({std::max(0.0, estimate.correlation / kShapeCorrelation) * variance, most, variance});
   const double low = level[0] / level[1], high = level[0] / level[2];
-  estimate.evenness = std::max(low, 0.5 * (std::sqrt(low) + std::sqrt(high))) - kShapeCorrelation * shape / variance;  // [T-NOISE-5]
+  estimate.evenness = std::max(low, 0.5 * (std::sqrt(low) + std::sqrt(high))) - kWeightOfShape * shape / variance;  // [T-NOISE-5]
   if (estimate.evenness >= kLeastEvenness && hinges >= kLeastHinge * estimate.residual) estimate.sigma = std::sqrt(variance - shape);
+}
+
+// Sets what is known of the level, from scratch.
+void set_level(const TriangleSoup& soup, const EdgeTable& edges, const PointGraph& graph, NoiseEstimate& estimate) {
+  estimate.sigma = estimate.residual = estimate.correlation = estimate.evenness = 0;
+  const Sampler sampler(soup, graph);
+  double reach = 0;  // patches must be wider than the noise is high, or they are fitted to its folds
+  for (int pass = 0; pass < 2; ++pass) {
+    const std::vector<Sample> samples = sampler.samples(reach, false);
+    estimate.fits = samples.size();
+    if (!estimate.has_neighborhoods()) return;
+    const auto level = levels(samples);
+    reach = kReach * std::sqrt(*std::min_element(level.begin(), level.end()));
+    if (reach < 0.5 * estimate.mean_edge) break;
+  }
+  const std::vector<Sample> samples = sampler.samples(reach, true);
+  if (!samples.empty()) judge(samples, levels(samples), hinge_level(soup, edges), rounding(soup), estimate);
+}
+
+// Outliers are in the level, and the level decides what is one: twice is enough.
+void set_level_without_outliers(const TriangleSoup& soup, const EdgeTable& edges, NoiseEstimate& estimate) {
+  const PointGraph graph = point_graph(soup, edges);
+  set_level(soup, edges, graph, estimate);
+  for (int round = 0; round < 2 && estimate.has_neighborhoods(); ++round) {
+    const std::vector<Outlier> outliers = search_outliers(soup, graph, estimate);
+    estimate.outlier_share = static_cast<double>(outliers.size()) / static_cast<double>(soup.points.size());
+    if (estimate.outlier_share < kFewOutliers) return;
+    TriangleSoup clamped = soup;
+    clamp_outliers(outliers, clamped);
+    set_level(clamped, edges, graph, estimate);
+  }
 }
 
 }  // namespace
@@ -150,19 +193,7 @@ NoiseEstimate estimate_noise(const TriangleSoup& oriented) {
   NoiseEstimate estimate;
   estimate.mean_edge = mean_edge_length(oriented);
   const EdgeTable edges(oriented);
-  const PointGraph graph = point_graph(oriented, edges);
-  const Sampler sampler(oriented, graph);
-  double reach = 0;  // patches must be wider than the noise is high, or they are fitted to its folds
-  for (int pass = 0; pass < 2; ++pass) {
-    const std::vector<Sample> samples = sampler.samples(reach, false);
-    estimate.fits = samples.size();
-    if (!estimate.has_neighborhoods()) return estimate;
-    const auto level = levels(samples);
-    reach = kReach * std::sqrt(*std::min_element(level.begin(), level.end()));
-    if (reach < 0.5 * estimate.mean_edge) break;
-  }
-  const std::vector<Sample> samples = sampler.samples(reach, true);
-  judge(samples, levels(samples), hinge_level(oriented, edges), rounding(oriented), estimate);
+  set_level_without_outliers(oriented, edges, estimate);
   set_creases(oriented, edges, estimate);
   return estimate;
 }

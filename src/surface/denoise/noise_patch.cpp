@@ -8,8 +8,8 @@
 namespace burnish {
 namespace {
 
-constexpr int kCoefficients = 6;
-using Row = std::array<double, kCoefficients>;
+constexpr std::size_t kCoefficients = kQuadricCoefficients;
+using Row = QuadricRow;
 using Matrix = std::array<Row, kCoefficients>;
 
 void set_neighbors(const EdgeTable& edges, PointGraph& graph) {
@@ -26,15 +26,13 @@ void set_neighbors(const EdgeTable& edges, PointGraph& graph) {
   }
 }
 
-struct Frame {
-  Vec3 u, v, n;
-};
-
-Frame frame_of(const Vec3& n) {
+void set_frame(const Vec3& n, PatchSystem& system) {
   const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
   const Vec3 axis = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  const Vec3 across = cross(axis, n), u = across / norm(across);
-  return {u, cross(n, u), n};
+  const Vec3 across = cross(axis, n);
+  system.u = across / norm(across);
+  system.v = cross(n, system.u);
+  system.n = n;
 }
 
 // Lower triangle of a symmetric matrix, factorised in place by Cholesky. False: not positive definite to rounding.
@@ -71,6 +69,23 @@ double product(const Row& a, const Row& b) {
   double sum = 0;
   for (std::size_t i = 0; i < kCoefficients; ++i) sum += a[i] * b[i];
   return sum;
+}
+
+struct Equations {
+  Matrix matrix{};  // the lower triangle
+  Row right{};
+};
+
+template <class Weight>
+Equations equations_of(const PatchSystem& system, Weight&& weight) {
+  Equations result;
+  for (std::size_t i = 0; i < system.count; ++i)
+    for (std::size_t j = 0; j < kCoefficients; ++j) {
+      const double weighted = system.rows[i][j] * weight(i);
+      for (std::size_t k = 0; k <= j; ++k) result.matrix[j][k] += weighted * system.rows[i][k];
+      result.right[j] += weighted * system.heights[i];
+    }
+  return result;
 }
 
 }  // namespace
@@ -115,42 +130,55 @@ std::span<const std::uint32_t> PatchCollector::collect(std::uint32_t center, std
   return members_;
 }
 
+PatchSystem patch_system(std::span<const std::uint32_t> patch, const PointGraph& graph, const std::vector<Vec3>& points) {
+  PatchSystem system;
+  Vec3 normal;
+  for (const std::uint32_t p : patch) {
+    normal += graph.normal_area[p];
+    system.size = std::max(system.size, norm(points[p] - points[patch[0]]));
+  }
+  const double length = norm(normal);
+  if (patch.size() <= kQuadricCoefficients || !(system.size > 0) || !(length > 0)) return system;
+  set_frame(normal / length, system);
+  system.count = patch.size();
+  for (std::size_t i = 0; i < patch.size(); ++i) {
+    const Vec3 d = (points[patch[i]] - points[patch[0]]) / system.size;  // lengths of about 1: well-conditioned
+    const double x = dot(d, system.u), y = dot(d, system.v);
+    system.heights[i] = dot(d, system.n);
+    system.rows[i] = {1, x, y, x * x, x * y, y * y};
+  }
+  system.valid = true;
+  return system;
+}
+
+double PatchSystem::residual(const QuadricRow& coefficients, std::size_t i) const { return heights[i] - product(coefficients, rows[i]); }
+
+Vec3 PatchSystem::normal(const QuadricRow& c) const { return (n - u * c[1] - v * c[2]) / std::sqrt(1 + c[1] * c[1] + c[2] * c[2]); }
+
+std::optional<QuadricRow> weighted_quadric(const PatchSystem& system, std::span<const double> weights) {
+  Equations equations = equations_of(system, [&](std::size_t i) { return weights[i]; });
+  if (!factorise(equations.matrix)) return std::nullopt;
+  return solve(equations.matrix, equations.right);
+}
+
 PatchFit fit_patch(std::span<const std::uint32_t> patch, const PointGraph& graph, const std::vector<Vec3>& points) {
   PatchFit fit;
-  fit.freedom = static_cast<int>(patch.size()) - kCoefficients;
-  Vec3 normal;
-  for (const std::uint32_t p : patch) normal += graph.normal_area[p];
-  double size = 0;
-  for (const std::uint32_t p : patch) size = std::max(size, norm(points[p] - points[patch[0]]));
-  const double length = norm(normal);
-  if (fit.freedom < 1 || !(size > 0) || !(length > 0)) return fit;
-  const Frame frame = frame_of(normal / length);
-  std::array<Row, PatchCollector::kMost> rows;
-  std::array<double, PatchCollector::kMost> heights;
-  Matrix matrix{};
-  Row right{};
-  for (std::size_t i = 0; i < patch.size(); ++i) {
-    const Vec3 d = (points[patch[i]] - points[patch[0]]) / size;  // lengths of about 1: well-conditioned
-    const double x = dot(d, frame.u), y = dot(d, frame.v);
-    heights[i] = dot(d, frame.n);
-    rows[i] = {1, x, y, x * x, x * y, y * y};
-    for (std::size_t j = 0; j < kCoefficients; ++j) {
-      for (std::size_t k = 0; k <= j; ++k) matrix[j][k] += rows[i][j] * rows[i][k];
-      right[j] += rows[i][j] * heights[i];
-    }
-  }
-  if (!factorise(matrix)) return fit;
-  const Row c = solve(matrix, right), at_center = solve(matrix, rows[0]);
+  const PatchSystem system = patch_system(patch, graph, points);
+  if (!system.valid) return fit;
+  Equations equations = equations_of(system, [](std::size_t) { return 1.0; });
+  if (!factorise(equations.matrix)) return fit;
+  const QuadricRow c = solve(equations.matrix, equations.right), at_center = solve(equations.matrix, system.rows[0]);
+  fit.freedom = static_cast<int>(patch.size() - kQuadricCoefficients);
+  fit.normal = system.normal(c);
   // Heights are taken along the patch' mean normal; a frame tilted against the fit stretches them by sqrt(1 + slope^2).
-  const double upright = size / std::sqrt(1 + c[1] * c[1] + c[2] * c[2]);
+  const double upright = system.size * dot(fit.normal, system.n);
   for (std::size_t i = 0; i < patch.size(); ++i) {
-    const double r = (heights[i] - product(c, rows[i])) * upright;
-    if (i == 0) fit.residual = r;
+    const double r = system.residual(c, i) * upright;
     fit.rss += r * r;
-    fit.influence[i] = product(at_center, rows[i]);
+    fit.influence[i] = product(at_center, system.rows[i]);
   }
+  fit.residual = system.residual(c, 0) * upright;
   fit.leverage = fit.influence[0];
-  fit.normal = (frame.n - frame.u * c[1] - frame.v * c[2]) * (upright / size);
   fit.valid = true;
   return fit;
 }

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -41,7 +42,28 @@ class PatchCollector {
   std::vector<std::uint32_t> members_;
 };
 
-// Least squares of heights over x and y along the patch' mean normal.
+inline constexpr std::size_t kQuadricCoefficients = 6;
+using QuadricRow = std::array<double, kQuadricCoefficients>;
+
+// Heights over the plane across the patch' mean normal, lengths in units of the patch' radius; the first point is the origin.
+struct PatchSystem {
+  bool valid = false;
+  std::size_t count = 0;
+  double size = 0;
+  Vec3 u, v, n;
+  std::array<QuadricRow, PatchCollector::kMost> rows;  // 1, x, y, x^2, x y, y^2
+  std::array<double, PatchCollector::kMost> heights;
+
+  double residual(const QuadricRow& coefficients, std::size_t i) const;
+  // Unit normal of z = c . rows at the origin.
+  Vec3 normal(const QuadricRow& coefficients) const;
+};
+
+PatchSystem patch_system(std::span<const std::uint32_t> patch, const PointGraph& graph, const std::vector<Vec3>& points);
+
+// Weighted least squares. Nothing if the points do not determine a quadric.
+std::optional<QuadricRow> weighted_quadric(const PatchSystem& system, std::span<const double> weights);
+
 struct PatchFit {
   bool valid = false;
   double rss = 0;                 // sum of squared residuals, square of model units, along the fit's own normal
@@ -52,6 +74,7 @@ struct PatchFit {
   std::array<double, PatchCollector::kMost> influence;  // of each point on the fitted value at the centre; that of the first is the leverage
 };
 
+// Least squares of heights, all points alike.
 PatchFit fit_patch(std::span<const std::uint32_t> patch, const PointGraph& graph, const std::vector<Vec3>& points);
 
 }  // namespace burnish
