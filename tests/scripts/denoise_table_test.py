@@ -144,11 +144,11 @@ class Tables(Scratch):
             self.assertEqual(row["ours"]["angle"], row["noisy"]["angle"])
             self.assertGreater(row["noisy"]["rms"], row["bnf"]["rms"])
             self.assertGreater(row["bnf"]["angle"], row["gnf"]["angle"])
-        self.assertEqual(rows[0]["bars"], [["angle", False], ["rms", False], ["volume", True]])
-        self.assertEqual(rows[1]["bars"], [["angle", False], ["rms", False]])
+        self.assertEqual(rows[0]["bars"], [["angle", False], ["angle one way", False], ["rms", False], ["volume", True]])
+        self.assertEqual(rows[1]["bars"], [["angle", False], ["angle one way", False], ["rms", False]])
         self.assertIsNone(rows[1]["ours"]["drift"])
         self.assertIn("| tgv_kinect_pyramid (open) |", done.stdout)
-        self.assertIn("Bars met: angle 0 of 2, rms 0 of 2, volume 1 of 1; all of a row's: 0 of 2.", done.stdout)
+        self.assertIn("Bars met: angle 0 of 2, angle one way 0 of 2, rms 0 of 2, volume 1 of 1; all of a row's: 0 of 2.", done.stdout)
         self.assertIn("guided_nicolo02 is left out", done.stderr)
 
     def test_an_oracle_meets_angle_and_rms_and_is_judged_by_the_input_volume(self):
