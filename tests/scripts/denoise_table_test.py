@@ -179,9 +179,9 @@ class Tables(Scratch):
         fake.chmod(0o755)
         self.run_script("--burnish", fake, "--measure", BURNISH, "--preset", "--smooth 7", "--floor", "--", "--cell", "3", command=None)
         calls = [line.split()[3:] for line in (self.root / "calls").read_text().splitlines()]
-        self.assertEqual(calls, [["--overwrite", "--smooth", "7", "--cell", "3"], ["--overwrite", "--cell", "3"],
+        self.assertEqual(calls, [["--overwrite", "--smooth", "7", "--cell", "3"], ["--overwrite", "--method", "levelset", "--cell", "3"],
                                  ["--overwrite", "--smooth", "7", "--keep-openings", "--cell", "3"],
-                                 ["--overwrite", "--keep-openings", "--cell", "3"]])
+                                 ["--overwrite", "--method", "levelset", "--keep-openings", "--cell", "3"]])
 
     def test_other_sections(self):
         self.stl("data/common/spot.stl", torus())
