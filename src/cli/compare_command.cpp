@@ -48,6 +48,7 @@ class CompareCommand : public Command {
     require_consistent();
     for (const std::string& input : inputs()) require_plausible_input(input);
     if (truth_asked_) job_.truth = truth_;
+    if (crease_angle_) job_.truth->crease_angle = *crease_angle_;
     job_.samples = samples_.value_or(truth_asked_ ? kTruthSamples : job_.samples);
     const ThreadLimit limit(threads_);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
@@ -55,6 +56,8 @@ class CompareCommand : public Command {
     const CompareResult result = compare_files(job_, console);
     console.end_stage();
     for (const ComparedFile& file : {result.a, result.b}) console.warn(file.file, file.warnings);
+    if (result.truth && result.truth->input) console.warn(result.truth->input->file.file, result.truth->input->file.warnings);
+    if (result.truth && result.truth->floor) console.warn(result.truth->floor->file.file, result.truth->floor->file.warnings);
     if (json_) {
       write_stdout(to_json(result));
     } else if (!quiet_) {
@@ -89,7 +92,7 @@ class CompareCommand : public Command {
         {"--floor", 0, "FILE", "A against a truth",
          "What the same program makes of B itself: the error that is not the noise's, beside A's.", store_text(truth_.floor)},
         {"--crease-angle", 0, "DEG", "A against a truth", "Edges of B under more than this are creases; 30 when not given.",
-         [this](const GivenValue& v) { truth_.crease_angle = degrees(v); }},
+         [this](const GivenValue& v) { crease_angle_ = degrees(v); }},
         {"--crease-width", 0, "L", "A against a truth", "How near to a crease is near; B's mean edge when not given.",
          [this](const GivenValue& v) { truth_.crease_width = length_without_cells(v); }},
         {"--map", 0, "OUT", "A against a truth", "Write A with the errors of its facets (.vtp).", store_text(truth_.map)},
@@ -130,7 +133,8 @@ class CompareCommand : public Command {
   void require_truth() const {
     if (truth_asked_) return;
     for (const auto& [option, given] : {std::pair{"--input", !truth_.input.empty()}, std::pair{"--floor", !truth_.floor.empty()},
-                                        std::pair{"--map", !truth_.map.empty()}, std::pair{"--crease-width", truth_.crease_width.has_value()}})
+                                        std::pair{"--map", !truth_.map.empty()}, std::pair{"--crease-angle", crease_angle_.has_value()},
+                                        std::pair{"--crease-width", truth_.crease_width.has_value()}})
       if (given) throw Error(ErrorCode::usage, fmt::format("{} needs --normals", option), "add --normals: B is then the truth");
   }
 
@@ -148,6 +152,7 @@ class CompareCommand : public Command {
 
   CompareJob job_;
   TruthJob truth_;
+  std::optional<double> crease_angle_;
   std::optional<std::size_t> samples_;
   bool truth_asked_ = false;
   int threads_ = 0;

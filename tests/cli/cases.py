@@ -359,6 +359,7 @@ COMPARE = [
     Case("compare cube.stl moved.stl -q -o no/d.vtp", 4, NOTHING, r"burnish: no/d\.vtp: "),
     usage("compare cube.stl moved.stl --floor cube.stl", r"--floor needs --normals\n  hint: "),
     usage("compare cube.stl moved.stl --map d.vtp", r"--map needs --normals"),
+    usage("compare cube.stl moved.stl --crease-angle 20", r"--crease-angle needs --normals"),
     usage("compare cube.stl moved.stl --normals --map d.ply", r"d\.ply: a map has numbers at its facets.*\n  hint: use \.vtp"),
     usage("compare cube.stl x.vtp --normals --map x.vtp", r"x\.vtp: --map names an input"),
     usage("compare cube.stl moved.stl --normals -o d.vtp --map ./d.vtp", r"d\.vtp: both --output and --map"),

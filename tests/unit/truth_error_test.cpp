@@ -57,7 +57,7 @@ TEST(CreaseEdges, RimsAndFacetsWithoutAreaAreNone) {
   TriangleSoup sliver = valley(0);
   EXPECT_EQ(CreaseEdges(sliver, 30).count(), 1u);
   EXPECT_EQ(CreaseEdges(sliver, 30).length(), 1);
-  sliver.points[4] = sliver.points[0];
+  sliver.points[5] = sliver.points[1];
   EXPECT_EQ(CreaseEdges(sliver, 30).count(), 0u);
 }
 
@@ -75,10 +75,10 @@ TEST(TruthError, OfAWingThatIsTurned) {
   // Half the area is off by alpha, and by s sin(alpha) at s from the crease; the projection of either wing lies within the other one's length.
   for (const ErrorFigures& way : {e.all.there, e.all.back}) {
     EXPECT_NEAR(way.angle, 5, 1e-3);
-    EXPECT_NEAR(way.rms, sine / std::sqrt(6.0), 1e-5);
+    EXPECT_NEAR(way.rms, sine / std::sqrt(6.0), 5e-5);
   }
   EXPECT_NEAR(e.all.angle(), 5, 1e-3);
-  EXPECT_NEAR(e.all.rms(), sine / std::sqrt(6.0), 1e-5);
+  EXPECT_NEAR(e.all.rms(), sine / std::sqrt(6.0), 5e-5);
   // Near is what the truth's point is: s of samples of the truth, s cos(alpha) of those of the turned wing.
   const double share_there = 0.5 * (near + near / std::cos(alpha));
   EXPECT_NEAR(static_cast<double>(e.near_creases.there.samples) / 60'000, share_there, 1e-3);
@@ -140,9 +140,10 @@ TEST(TruthError, HasNoNumbersWhereThereIsNothing) {
 TEST(TruthError, SameBitsForAnyNumberOfThreads) {
   const auto measure = [](int threads) {
     const ThreadLimit limit(threads);
-    return error_of(scaled(torus(50, 20), 1.01), torus(40, 30), 0.2, 5);
+    return error_of(scaled(torus(50, 20), 1.01), torus(40, 30), 0.01, 5);
   };
   const TruthError one = measure(1), four = measure(4);
+  EXPECT_FALSE(one.near_creases.empty() || one.elsewhere.empty());
   EXPECT_EQ(one.all.angle(), four.all.angle());
   EXPECT_EQ(one.near_creases.rms(), four.near_creases.rms());
   EXPECT_EQ(one.elsewhere.angle(), four.elsewhere.angle());

@@ -65,7 +65,7 @@ struct TruthErrorOptions {
 
 // The error of `result`. `ask_result` and `ask_truth` find the closest points on either.
 // Accuracy: a mean over n samples of a quantity of standard deviation s is off by about s / sqrt n; strata make it less. Of the models of
-// docs/denoising.md, 60,000 samples give the angle to 0.1 degrees and the rms to 1 %. Same bits for any number of threads.
+// docs/denoising.md, 60,000 samples give the angle to 0.07 degrees and the rms to 0.3 %. Same bits for any number of threads.
 TruthError truth_error(const TriangleSoup& result, const ClosestQuery& ask_result, const TriangleSoup& truth,
                        const ClosestQuery& ask_truth, const CreaseEdges& creases, const TruthErrorOptions& options);
 
