@@ -175,7 +175,7 @@ void CleanRun::forget_attempt() {
 void CleanRun::rebuild() {
   begin("distances and signs");
   if (report_.options.deviation || options_.deviation) surface_before_ = prepared_.capped.soup;
-  if (plan_.denoises()) denoise_prepared(prepared_, plan_, report_, progress_);
+  if (plan_.denoises() || plan_.clamps_outliers) denoise_prepared(prepared_, plan_, report_, progress_);
   if (shared_) {
     const bool was_chosen = report_.options.cell_was_chosen;
     options_.cell = Length{shared_->level_set.frame.cell, LengthUnit::model};

@@ -10,6 +10,7 @@
 #include "burnish/surface/denoise.h"
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/local_repair.h"
+#include "burnish/surface/outliers.h"
 #include "burnish/surface/triangle_index.h"
 
 namespace burnish {
@@ -28,12 +29,25 @@ DenoiseOptions denoise_options(const SmoothingPlan& plan, const TriangleSoup& so
   return options;
 }
 
+TriangleSoup without_outliers(const TriangleSoup& soup, RepairReport& report) {
+  TriangleSoup result = soup;
+  const std::vector<Outlier> outliers = find_outliers(soup, report.smoothing.noise);
+  clamp_outliers(outliers, result);
+  report.smoothing.outliers = outliers.size();
+  for (const Outlier& o : outliers) report.smoothing.max_moved = std::max(report.smoothing.max_moved, o.distance);
+  return result;
+}
+
 // Denoised, with points as the file will have them.
 TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool float32, RepairReport& report, Progress& progress) {
-  DenoiseResult done = denoise(soup, denoise_options(plan, soup, report), progress);
-  report.smoothing.outliers = done.outliers;
-  report.smoothing.rms_moved = done.rms_moved;
-  report.smoothing.max_moved = done.max_moved;
+  report.smoothing.max_moved = 0;
+  DenoiseResult done;
+  done.soup = plan.clamps_outliers ? without_outliers(soup, report) : soup;
+  if (plan.denoises()) {
+    done = denoise(done.soup, denoise_options(plan, soup, report), progress);
+    report.smoothing.rms_moved = done.rms_moved;
+    report.smoothing.max_moved = std::max(report.smoothing.max_moved, done.max_moved);
+  }
   if (float32)
     parallel_for(done.soup.points.size(), [&](std::size_t i) {
       Vec3& p = done.soup.points[i];

@@ -31,7 +31,7 @@ std::optional<DenoisedSolution> solve_denoised(const TriangleSoup& welded, const
 // What is wrong with the result, as read back, for something that was denoised and then mended: more than mending a few folds explains. Empty: nothing.
 std::string objection_to_mending(const DenoisedSolution& solution, const TriangleSoup& result, double tolerance, const RepairReport& report);
 
-// Moves the points of the prepared input, and of its caps' rims with them. Fills in report.smoothing.
+// Moves the points of the prepared input, and of its caps' rims with them: outliers, and those that noise has moved, as the plan says. Fills in report.smoothing.
 void denoise_prepared(PreparedInput& prepared, const SmoothingPlan& plan, RepairReport& report, Progress& progress);
 
 }  // namespace burnish

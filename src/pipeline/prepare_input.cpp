@@ -12,6 +12,7 @@
 #include "burnish/surface/facet_filter.h"
 #include "burnish/surface/manifold.h"
 #include "burnish/surface/orient.h"
+#include "burnish/surface/outliers.h"
 #include "burnish/surface/weld.h"
 
 namespace burnish {
@@ -64,6 +65,7 @@ class Preparation {
   PreparedInput prepare(const FacetPairs& intersecting) {
     filter();
     join_open_edges();
+    if (options_.smooth_auto) drop_fragments();
     orient_facets();
     PreparedInput result;
     if (!options_.keeps_openings() && !options_.thicken && !report_.before.valid_solid()) leave_out_sheets();
@@ -234,17 +236,43 @@ class Preparation {
     cap(result);
   }
 
+  // Dirt of scanning, which whoever asks for the noise to go wants to go with it.
+  void drop_fragments() {
+    const std::vector<std::uint32_t> fragments = find_fragments(soup_);
+    if (fragments.empty()) return;
+    TriangleSoup dirt{soup_.points, {}, {}};
+    std::vector<char> drop(soup_.facets.size(), 0);
+    for (const std::uint32_t f : fragments) {
+      drop[f] = 1;
+      dirt.facets.push_back(soup_.facets[f]);
+    }
+    const Shells shells = find_shells(dirt);
+    std::vector<ComponentFate> fates;
+    for (const Shell& shell : shells.shells) fates.push_back(fate_of(shell, "dropped", "a stray fragment"));
+    for (std::size_t f = 0; f < dirt.facets.size(); ++f) ++fates[shells.of_facet[f]].facets;
+    dropped_.insert(dropped_.end(), fates.begin(), fates.end());
+    report_.actions.fragments_dropped = shells.shells.size();
+    remove_facets(drop, FacetFate::fragment);
+  }
+
   void remove_facets_of(const Shells& shells, const std::vector<char>& drop, FacetFate fate) {
     if (std::find(drop.begin(), drop.end(), 1) == drop.end()) return;
-    for (std::size_t f = 0; f < soup_.facets.size(); ++f)
-      if (drop[shells.of_facet[f]]) removed_.emplace_back(source_[f], fate);
+    std::vector<char> drop_facet(soup_.facets.size());
+    for (std::size_t f = 0; f < drop_facet.size(); ++f) drop_facet[f] = drop[shells.of_facet[f]];
+    remove_facets(drop_facet, fate);
+  }
+
+  void remove_facets(const std::vector<char>& drop, FacetFate fate) {
     TriangleSoup kept;
     std::vector<std::uint32_t> source;
-    for (std::size_t f = 0; f < soup_.facets.size(); ++f)
-      if (!drop[shells.of_facet[f]]) {
-        kept.facets.push_back(soup_.facets[f]);
-        source.push_back(source_[f]);
+    for (std::size_t f = 0; f < soup_.facets.size(); ++f) {
+      if (drop[f]) {
+        removed_.emplace_back(source_[f], fate);
+        continue;
       }
+      kept.facets.push_back(soup_.facets[f]);
+      source.push_back(source_[f]);
+    }
     kept.points = std::move(soup_.points);
     soup_ = weld(std::move(kept));
     source_ = std::move(source);
@@ -349,6 +377,7 @@ std::string_view reason(FacetFate fate) {
     case FacetFate::nothing: return "encloses nothing";
     case FacetFate::sheet: return "a sheet without thickness";
     case FacetFate::dropped: return "a component that was not wanted";
+    case FacetFate::fragment: return "a stray fragment";
     case FacetFate::used: break;
   }
   return {};

@@ -25,6 +25,7 @@ enum class FacetFate : std::uint8_t {
   sheet,     // of a component without thickness
   nothing,   // of a component that encloses nothing: the solid is on neither of its sides
   dropped,   // of a component that is not wanted
+  fragment,  // of a stray fragment, dirt beside the model
 };
 
 // The reason as reports have it; empty for `used`.

@@ -73,6 +73,7 @@ Json json_of(const RepairActions& a) {
       {"degenerate_facets_dropped", a.degenerate_facets_dropped},
       {"duplicate_facets_dropped", a.duplicate_facets_dropped},
       {"wall_facets_dropped", a.wall_facets_dropped},
+      {"fragments_dropped", a.fragments_dropped},
       {"points_welded_within_tolerance", a.points_welded_within_tolerance},
       {"weld_tolerance", a.weld_tolerance},
       {"facets_flipped", a.facets_flipped},

@@ -3,8 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string_view>
 
 #include "burnish/surface/noise.h"
+#include "burnish/surface/outliers.h"
+#include "local_gear.h"
 
 namespace burnish {
 namespace {
@@ -15,26 +18,25 @@ constexpr double kExplained = 0.95;                      // of sigma: the rms di
 // What lengths are to be compared with.
 double diagonal_of(const RepairReport& report) { return report.before.box.diagonal(); }
 
+bool in_cells(const CleanOptions& asked) {
+  return asked.smooth.unit == LengthUnit::cells || (asked.deviation && asked.deviation->unit == LengthUnit::cells);
+}
+
+struct Choice {
+  SmoothMode mode;
+  std::string_view reason;
+};
+
 // What a user who names no mode would want. [T-AUTO-2]
-SmoothMode chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise, std::string& reason) {
-  if (asked.mode != SmoothMode::automatic) {
-    reason = "asked for";
-    return asked.mode;
-  }
-  if (asked.curvature_radius) {
-    reason = "a radius of curvature was given";
-    return SmoothMode::mcf;
-  }
-  if (noise.creased()) {
-    reason = "creases stand out of the noise";
-    return SmoothMode::feature;
-  }
-  if (noise.noisy()) {
-    reason = "the noise is random from point to point";
-    return SmoothMode::feature;
-  }
-  reason = "there are few creases, and no noise that is random from point to point";
-  return SmoothMode::volume;
+Choice chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise) {
+  if (asked.mode != SmoothMode::automatic) return {asked.mode, "asked for"};
+  if (asked.curvature_radius) return {SmoothMode::mcf, "a radius of curvature was given"};
+  if (in_cells(asked)) return {SmoothMode::volume, "lengths in cells were given"};
+  if (asked.smooth_auto && !noise.noisy()) return {SmoothMode::feature, "there is no noise, but points far off the surface"};
+  if (noise.creased()) return {SmoothMode::feature, "creases stand out of the noise"};
+  if (!reason_against_local(asked, false).empty()) return {SmoothMode::volume, "few creases, and a level set was asked for"};
+  if (noise.noisy()) return {SmoothMode::feature, "the noise is random from point to point"};
+  return {SmoothMode::volume, "few creases, and no noise that is random from point to point"};
 }
 
 }  // namespace
@@ -44,11 +46,14 @@ SmoothingPlan plan_smoothing(const CleanOptions& asked, const PreparedInput& pre
   if (!asked.smooths()) return plan;
   const NoiseEstimate noise = estimate_noise(prepared.oriented);
   report.smoothing.noise = noise;
-  if (asked.smooth_auto && !noise.noisy()) {
+  plan.clamps_outliers = asked.smooth_auto && !find_outliers(prepared.oriented, noise).empty();
+  if (asked.smooth_auto && !noise.noisy() && !plan.clamps_outliers) {
     report.smoothing.mode_reason = "there is no noise to remove";
     return plan;
   }
-  plan.mode = report.smoothing.mode = report.options.mode = chosen_mode(asked, noise, report.smoothing.mode_reason);
+  const Choice choice = chosen_mode(asked, noise);
+  plan.mode = report.smoothing.mode = report.options.mode = choice.mode;
+  report.smoothing.mode_reason = choice.reason;
   if (!asked.region.empty()) plan.region = std::make_shared<Region>(asked.region, report.recentred_by);
   if (!asked.smooth_auto) {
     plan.length = asked.smooth.in_model_units(diagonal_of(report), 0);  // in cells: not known yet

@@ -15,8 +15,10 @@ struct SmoothingPlan {
   SmoothMode mode = SmoothMode::automatic;  // automatic: nothing is smoothed
   double length = 0;                        // waves below this are removed, in model units; 0: what is noise, at its own scale
   std::optional<double> stop_at;            // rms displacement that explains the noise: smoothing ends there, in model units
+  bool clamps_outliers = false;             // points far off the surface are put back first
   std::shared_ptr<const Region> region;     // unset: everywhere
 
+  bool smooths() const { return mode != SmoothMode::automatic; }
   bool denoises() const { return mode == SmoothMode::feature; }
   bool flows() const { return mode != SmoothMode::feature && mode != SmoothMode::automatic; }
 };

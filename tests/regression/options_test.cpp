@@ -89,7 +89,7 @@ TEST_F(PipelineOptions, MethodsGiveReasons) {
   options.thicken = model_length(0.3);
   EXPECT_EQ(reason(options), std::pair(rebuilt, std::string("a thickness was asked for")));
   options.smooth = model_length(0.2);
-  EXPECT_EQ(reason(options), std::pair(rebuilt, std::string("smoothing was asked for")));
+  EXPECT_EQ(reason(options), std::pair(rebuilt, std::string("smoothing of the level set was asked for")));
   options.method = Method::level_set;
   EXPECT_EQ(reason(options), std::pair(rebuilt, std::string("asked for")));
 }

@@ -24,6 +24,7 @@ struct RepairActions {
   std::size_t degenerate_facets_dropped = 0;
   std::size_t duplicate_facets_dropped = 0;
   std::size_t wall_facets_dropped = 0;    // copies back to back, between two bodies or of a sheet
+  std::size_t fragments_dropped = 0;      // stray components, dirt beside the model; `--smooth auto`
   std::size_t points_welded_within_tolerance = 0;
   double weld_tolerance = 0;              // 0: welded by exact coordinates only
   std::size_t facets_flipped = 0;
