@@ -8,7 +8,6 @@
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
-#include <utility>
 
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
 #include "burnish/levelset/smooth/smoothing.h"
@@ -19,41 +18,31 @@ namespace {
 
 double cpu_seconds() { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; }
 
-// Only blocks near the surface store values, as in a run of the program.
-LevelSet stored_near_surface(LevelSet set) {
-  const FieldLayout layout = layout_of(set.octree().size(), [&](std::size_t leaf) { return set.grid.near_surface(leaf); });
-  const auto band = static_cast<float>(kFlowBand);
-  Field<float> phi(layout, -band, band);
-  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
-    const float* from = std::as_const(set.phi).block(leaf);
-    if (phi.stores(leaf))
-      std::transform(from, from + kBlockNodes, phi.block(leaf), [&](float v) { return std::clamp(v, -band, band); });
-    else
-      phi.set_uniform(leaf, from[0] > 0);
-  }
-  set.phi = std::move(phi);
-  set.band = kFlowBand;
-  return set;
-}
-
 std::size_t nodes_within(const LevelSet& set, float distance) {
   const auto& phi = set.phi.values();
   return static_cast<std::size_t>(std::count_if(phi.begin(), phi.end(), [&](float v) { return std::abs(v) < distance; }));
+}
+
+// What linear crossings make of a ball of this radius.
+double radius_by_crossings(double radius) {
+  const test::Ball<float> ball = test::analytic_ball<float>(radius, {0.31, 0.77, 0.13}, kFlowBand);
+  return test::mean_radius(ball.set, ball.center);
 }
 
 template <class Flow>
 void measure(const char* method, double radius, double time, Flow&& flow) {
   const double exact = std::sqrt(radius * radius - 4 * time);
   test::Ball<float> ball = test::analytic_ball<float>(radius, {0.31, 0.77, 0.13}, kFlowBand + 1 + radius - exact);
-  ball.set = stored_near_surface(std::move(ball.set));
+  ball.set = test::stored_near_surface(ball.set, kFlowBand);
   const std::size_t within_3 = nodes_within(ball.set, 3), within_5 = nodes_within(ball.set, kFlowBand);
   const double start = cpu_seconds();
   const int steps = flow(ball.set);
   const double seconds = cpu_seconds() - start;
+  const double found = test::mean_radius(ball.set, ball.center);
   std::printf("{\"program\":\"burnish\",\"method\":\"%s\",\"radius\":%g,\"time\":%.4f,\"steps\":%d,\"nodes_within_3\":%zu,\"nodes_within_5\":%zu,\"cpu_s\":%.4f,"
-              "\"ns_per_node\":%.0f,\"ns_per_node_within_5\":%.0f,\"radius_error\":%.3e}\n",
+              "\"ns_per_node\":%.0f,\"ns_per_node_within_5\":%.0f,\"radius_error\":%.3e,\"error_of_flow\":%.3e}\n",
               method, radius, time, steps, within_3, within_5, seconds, 1e9 * seconds / static_cast<double>(within_3),
-              1e9 * seconds / static_cast<double>(within_5), test::mean_radius(ball.set, ball.center) / exact - 1);
+              1e9 * seconds / static_cast<double>(within_5), found / exact - 1, found / radius_by_crossings(exact) - 1);
 }
 
 }  // namespace

@@ -52,6 +52,24 @@ BasicLevelSet<T> analytic_level_set(int depth, double band, Distance&& distance)
   return set;
 }
 
+// The same surface with distances up to `band` only, and values stored near it only, as in a run of the program.
+inline LevelSet stored_near_surface(const LevelSet& set, double band) {
+  const auto limit = static_cast<float>(band);
+  LevelSet sparse;
+  sparse.frame = set.frame;
+  sparse.grid = set.grid;
+  sparse.band = band;
+  sparse.phi = Field<float>(layout_of(set.octree().size(), [&](std::size_t leaf) { return set.grid.near_surface(leaf); }), -limit, limit);
+  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
+    const float* from = set.phi.block(leaf);
+    if (sparse.phi.stores(leaf))
+      std::transform(from, from + kBlockNodes, sparse.phi.block(leaf), [&](float v) { return std::clamp(v, -limit, limit); });
+    else
+      sparse.phi.set_uniform(leaf, from[0] > 0);
+  }
+  return sparse;
+}
+
 // A ball in a domain with room for its band, its centre off the lattice by `offset`.
 template <class T>
 struct Ball {

@@ -17,10 +17,10 @@ namespace {
 
 using namespace detail;
 
-constexpr double kLargestCorrection = 0.25;  // of a step's displacement
-constexpr float kStraight = 16;              // 1 / cell^2: more than the sum of squared curvatures that a lattice can show
-constexpr double kFarthestMove = 3;          // cells a step
-constexpr double kGateWidth = 0.5;           // of 1 / radius, over which the gate opens
+constexpr float kLargestCorrection = 0.25f;  // of a step's displacement
+constexpr float kStraight = 16;               // 1 / cell^2: more than the sum of squared curvatures that a lattice can show
+constexpr float kFarthestMove = 3;            // cells a step
+constexpr float kGateWidth = 0.5f;            // of 1 / radius, over which the gate opens
 
 // Redistancing is a part of a step: it may be interrupted and reports no progress of its own.
 class PartOfStep : public Progress {
@@ -40,7 +40,7 @@ float gate_of(float trace, float square, float phi, float radius) {
   if (!(square < kStraight)) return 0;
   const float mean = 0.5f * trace, apart = std::sqrt(std::max(0.0f, 0.5f * square - mean * mean));
   const float largest = std::abs(at_foot(mean < 0 ? mean - apart : mean + apart, phi)) * radius;
-  const float t = std::clamp((largest - 1) / static_cast<float>(kGateWidth), 0.0f, 1.0f);
+  const float t = std::clamp((largest - 1) / kGateWidth, 0.0f, 1.0f);
   return t * t * (3 - 2 * t);
 }
 
@@ -66,14 +66,14 @@ class Smoothing {
   }
 
  private:
-  static constexpr int kStepsToTarget = 4;
+  static constexpr int kStepsToTarget = 4, kStepsAtOnce = 25;
 
   void flow(const FlowPlan& plan) {
     SurfaceDiffusion diffusion(set_);
     double before = 0;
     for (int step = 1; step <= plan.steps && !result_.reached_target; ++step) {
       const Field<float> last = options_.target_rms ? set_.phi : Field<float>();
-      displace(diffusion, plan);
+      displace(diffusion, plan);  // [T-SMOOTH-1]
       redistance_surface();
       constrain();
       double done = 1;
@@ -116,61 +116,42 @@ class Smoothing {
 
   // The curvature changes while the surface moves. [T-SMOOTH-5]
   void correct(SurfaceDiffusion& diffusion, double time) {
-    Field<float>& w = diffusion.displacement();
-    Field<float> factor = Field<float>::like(w, 1, 1);
-    diffusion.for_each_bend(set_, [&](std::uint32_t leaf, const Bends& bends) {
-      float* to = factor.block(leaf);
-      for (std::size_t n = 0; n < kBlockNodes; ++n)
-        if (bends.square[n] < kStraight) to[n] = 1 + std::min(static_cast<float>(kLargestCorrection), static_cast<float>(0.5 * time) * bends.square[n]);
+    const float half = static_cast<float>(0.5 * time);
+    diffusion.change_by_bends(set_, [half](float w, float, float, float square) {
+      return square < kStraight ? w * (1 + std::min(kLargestCorrection, half * square)) : w;
     });
-    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) { w.block(leaf)[n] *= factor.block(leaf)[n]; });
   }
 
   // 2 G_t - G_2t. [T-SMOOTH-6]
   void undo_shrinkage(SurfaceDiffusion& diffusion, double time) {
     const Field<float> once = diffusion.displacement();
     diffusion.go_on(time, part_);
-    Field<float>& w = diffusion.displacement();
-    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) { w.block(leaf)[n] = 2 * once.block(leaf)[n] - w.block(leaf)[n]; });
+    diffusion.change([&](std::uint32_t leaf, std::size_t n, float w) { return 2 * once.block(leaf)[n] - w; });
   }
 
   // [T-SMOOTH-7]
   void subtract_average(SurfaceDiffusion& diffusion, double filter) {
     const Field<float> own = diffusion.displacement();
     diffusion.average(filter, part_);
-    Field<float>& w = diffusion.displacement();
-    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) { w.block(leaf)[n] = own.block(leaf)[n] - w.block(leaf)[n]; });
+    diffusion.change([&](std::uint32_t leaf, std::size_t n, float w) { return own.block(leaf)[n] - w; });
   }
 
   // From phi that has been smoothed by the shortest of passes: facets of a mesh have edges.
   Field<float> curvature_gate(SurfaceDiffusion& diffusion) {
-    Field<float> gate = Field<float>::like(set_.phi, 0, 0);
     diffusion.start(set_, reach_, HeatTaps::kLongest, part_);
-    diffusion.for_each_bend(set_, [&](std::uint32_t leaf, const Bends& bends) {
-      for (std::size_t n = 0; n < kBlockNodes; ++n)
-        gate.block(leaf)[n] = gate_of(bends.trace[n], bends.square[n], std::as_const(set_.phi).block(leaf)[n], static_cast<float>(options_.curvature_radius));
-    });
-    return gate;
+    const auto radius = static_cast<float>(options_.curvature_radius);
+    diffusion.change_by_bends(set_, [radius](float, float phi, float trace, float square) { return gate_of(trace, square, phi, radius); });
+    return diffusion.displacement();
   }
 
-  void move(const SurfaceDiffusion& diffusion, const Field<float>& gate) {
-    for_nodes(diffusion, [&](std::uint32_t leaf, std::size_t n) {
-      float w = std::clamp(diffusion.displacement().block(leaf)[n], static_cast<float>(-kFarthestMove), static_cast<float>(kFarthestMove));
+  void move(SurfaceDiffusion& diffusion, const Field<float>& gate) {
+    diffusion.change([&](std::uint32_t leaf, std::size_t n, float w) {
+      w = std::clamp(w, -kFarthestMove, kFarthestMove);
       if (!gate.empty()) w *= gate.block(leaf)[n];
       if (options_.mobility != nullptr) w *= options_.mobility->block(leaf)[n];
       set_.phi.block(leaf)[n] += w;
+      return w;
     });
-  }
-
-  // Runs body(leaf, node) where the displacement is known.
-  template <class Body>
-  static void for_nodes(const SurfaceDiffusion& diffusion, Body&& body) {
-    parallel_for(diffusion.leaves().size(), [&](std::size_t i) {
-      const std::uint32_t leaf = diffusion.leaves()[i];
-      const float* w = diffusion.displacement().block(leaf);
-      for (std::size_t n = 0; n < kBlockNodes; ++n)
-        if (is_known(w[n])) body(leaf, n);
-    }, 16);
   }
 
   void redistance_surface() {
@@ -188,13 +169,15 @@ class Smoothing {
     options.method = RedistanceMethod::pde_first;
     options.reach = reach_;
     options.accepted = &none;
-    options.most_steps = 1;
     options.steady = 0;
-    for (int step = 1; step <= plan.steps; ++step) {
+    for (int step = 0; step < plan.steps && !result_.reached_target; step += options.most_steps) {
+      options.most_steps = std::min(kStepsAtOnce, plan.steps - step);
       redistance(set_, options, part_);
       constrain();
-      result_.steps = step;
-      progress_.update(static_cast<double>(step) / plan.steps);
+      result_.steps = step + options.most_steps;
+      result_.time = result_.steps * plan.step;
+      result_.reached_target = options_.target_rms && rms_moved(set_.phi) >= *options_.target_rms;
+      progress_.update(static_cast<double>(result_.steps) / plan.steps);
     }
   }
 

@@ -5,14 +5,14 @@
 #include <cmath>
 #include <utility>
 
-#include "burnish/core/parallel.h"
+#include "../../octree/lattice_lookup.h"
 
 namespace burnish::detail {
 namespace {
 
 constexpr std::size_t kGrain = 16;
 // Second differences along all axes need a node more than the domain has, along its diagonals.
-constexpr double kMargin = 1.5;
+constexpr double kMargin = 1;
 
 int passes_for(double time) { return std::max(1, static_cast<int>(std::ceil(time / HeatTaps::kLongest - 1e-9))); }
 
@@ -21,7 +21,7 @@ int passes_for(double time) { return std::max(1, static_cast<int>(std::ceil(time
 SurfaceDiffusion::SurfaceDiffusion(const LevelSet& set) : tree_(set.octree()) {
   for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf)
     if (tree_.level(leaf) == 0 && set.phi.stores(leaf)) finest_.push_back(leaf);
-  source_ = moved_ = next_ = Field<float>::like(set.phi, kUnknown, kUnknown);
+  for (Field<float>* field : {&source_, &moved_, &next_}) *field = Field<float>::like(set.phi, kUnknown, kUnknown);
 }
 
 // Leaves without known nodes are unknown in both of the fields that take turns.
@@ -49,7 +49,7 @@ void SurfaceDiffusion::start(const LevelSet& set, double limit, double time, Pro
     progress.check();
     alignas(64) std::array<float, kHeatNodes> phi;
     for (std::size_t i = begin; i < end; ++i) {
-      gather(tree_, set.phi, leaves_[i], kHeatWidth, phi.data());
+      gather_finest(set.phi, leaves_[i], kHeatWidth, phi.data());
       heat_source(phi, taps_, static_cast<float>(limit), static_cast<float>(domain), source_.block(leaves_[i]));
       std::copy_n(source_.block(leaves_[i]), kBlockNodes, moved_.block(leaves_[i]));
     }
@@ -72,7 +72,7 @@ void SurfaceDiffusion::pass(const HeatTaps& taps, Source source, Progress& progr
     progress.check();
     alignas(64) std::array<float, kHeatNodes> moved;
     for (std::size_t i = begin; i < end; ++i) {
-      gather(tree_, moved_, leaves_[i], kHeatWidth, moved.data());
+      gather_finest(moved_, leaves_[i], kHeatWidth, moved.data());
       float* out = next_.block(leaves_[i]);
       heat_pass(moved, taps, out);
       if (source == Source::none) continue;
@@ -84,18 +84,39 @@ void SurfaceDiffusion::pass(const HeatTaps& taps, Source source, Progress& progr
   std::swap(moved_, next_);
 }
 
-void SurfaceDiffusion::for_each_bend(const LevelSet& set, const std::function<void(std::uint32_t, const Bends&)>& body) const {
+void SurfaceDiffusion::change_by_bends(const LevelSet& set, const std::function<float(float, float, float, float)>& change) {
   parallel_ranges(leaves_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
     std::array<float, kBendNodes> phi, moved;
     Bends bends;
     for (std::size_t i = begin; i < end; ++i) {
-      gather(tree_, set.phi, leaves_[i], 1, phi.data());
-      gather(tree_, moved_, leaves_[i], 1, moved.data());
+      gather_finest(set.phi, leaves_[i], 1, phi.data());
+      gather_finest(moved_, leaves_[i], 1, moved.data());
       for (std::size_t n = 0; n < kBendNodes; ++n) phi[n] += moved[n];
       heat_bends(phi, bends);
-      body(leaves_[i], bends);
+      const float *d = set.phi.block(leaves_[i]), *w = std::as_const(moved_).block(leaves_[i]);
+      float* out = next_.block(leaves_[i]);
+      for (std::size_t n = 0; n < kBlockNodes; ++n) out[n] = is_known(w[n]) ? change(w[n], d[n], bends.trace[n], bends.square[n]) : kUnknown;
     }
   });
+  std::swap(moved_, next_);
+}
+
+void SurfaceDiffusion::gather_finest(const Field<float>& field, std::uint32_t leaf, int width, float* dense) const {
+  const int side = kBlockSide + 2 * width;
+  for (int dir = 0; dir < kDirections; ++dir) {
+    const auto [dx, dy, dz] = offset_of(dir);
+    const Range x = halo_range(dx, width), y = halo_range(dy, width), z = halo_range(dz, width);
+    const bool is_there = dir == kSelf || tree_.neighbor_kind(leaf, dir) == NeighborKind::same;
+    const float* from = is_there ? field.block(dir == kSelf ? leaf : tree_.neighbor(leaf, dir)) : nullptr;
+    for (int k = z.begin; k < z.end; ++k)
+      for (int j = y.begin; j < y.end; ++j) {
+        float* to = dense + (x.begin + width) + side * ((j + width) + side * (k + width));
+        if (is_there)
+          std::copy_n(from + node_index(x.begin - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz), x.end - x.begin, to);
+        else
+          std::fill_n(to, x.end - x.begin, kUnknown);
+      }
+  }
 }
 
 }  // namespace burnish::detail

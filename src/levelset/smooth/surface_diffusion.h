@@ -5,6 +5,7 @@
 #include <functional>
 #include <vector>
 
+#include "burnish/core/parallel.h"
 #include "burnish/core/progress.h"
 #include "burnish/levelset/level_set.h"
 #include "heat_kernel.h"
@@ -31,11 +32,22 @@ class SurfaceDiffusion {
   // The leaves in which it is known.
   const std::vector<std::uint32_t>& leaves() const { return leaves_; }
 
-  // Runs body(leaf, bends) in the leaves with the second derivatives of phi + w.
-  void for_each_bend(const LevelSet& set, const std::function<void(std::uint32_t, const Bends&)>& body) const;
+  // Where w is known, w = change(leaf, node, w).
+  template <class Change>
+  void change(Change&& change) {
+    parallel_for(leaves_.size(), [&](std::size_t i) {
+      float* w = moved_.block(leaves_[i]);
+      for (std::size_t n = 0; n < kBlockNodes; ++n)
+        if (is_known(w[n])) w[n] = change(leaves_[i], n, w[n]);
+    }, 16);
+  }
+  // The same with the second derivatives of phi + w, known or not.
+  void change_by_bends(const LevelSet& set, const std::function<float(float w, float phi, float trace, float square)>& change);
 
  private:
   enum class Source : std::uint8_t { none, add };
+  // A leaf and layers around it as far as there are leaves of its size; unknown beyond.
+  void gather_finest(const Field<float>& field, std::uint32_t leaf, int width, float* dense) const;
   void find_leaves(const LevelSet& set, double domain);
   void pass(const HeatTaps& taps, Source source, Progress& progress);
 
