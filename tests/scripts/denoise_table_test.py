@@ -173,6 +173,12 @@ class Tables(Scratch):
         self.assertEqual(rows[0]["bars"], [["a result", False]])
         self.assertIn("| exit 1: no luck |", done.stdout)
 
+    def test_results_without_facets_are_none_and_no_path_gets_into_a_document(self):
+        done, rows = self.run_script("--only", "block", command="sh -c 'head -c 84 /dev/zero > {out}'")
+        self.assertEqual(rows[0]["bars"], [["a result", False]])
+        self.assertIn("| holds no facets (binary STL) |", done.stdout)
+        self.assertNotIn(str(self.root), done.stdout)
+
     def test_the_program_gets_the_preset_and_keeps_openings_of_open_truths(self):
         fake = self.root / "fake"
         fake.write_text(f"#!/bin/sh\necho \"$@\" >> {self.root}/calls\ncp \"$1\" \"$3\"\n")
