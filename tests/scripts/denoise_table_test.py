@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""denoise_table measures make-believe denoisers on tiny models: a torus, an open strip of it, and a cube.
+"""denoise_table measures make-believe denoisers on tiny models: a torus and an open strip of it.
 
   denoise_table_test.py BURNISH      (the program that measures)
 """
@@ -51,12 +51,6 @@ def torus(n=60, m=30, radius=0.4, around=None):
     return numpy.array(facets)
 
 
-def cube():
-    corners = numpy.array([(x, y, z) for x in (0, 1) for y in (0, 1) for z in (0, 1)], float)
-    facets = [(0, 1, 3), (0, 3, 2), (4, 6, 7), (4, 7, 5), (0, 4, 5), (0, 5, 1), (2, 3, 7), (2, 7, 6), (0, 2, 6), (0, 6, 4), (1, 5, 7), (1, 7, 3)]
-    return corners[numpy.array(facets)]
-
-
 @unittest.skipIf(numpy is None, "there is no numpy (Debian: python3-numpy)")
 class Scratch(unittest.TestCase):
     def setUp(self):
@@ -99,8 +93,12 @@ class Meshes(Scratch):
         self.assertAlmostEqual(off, 0.02, delta=0.001)
         self.assertEqual(len(table.weld(damaged["unwelded"])[0]), 3 * len(corners))
 
-    def test_roughness_is_weighted_by_length(self):
-        self.assertAlmostEqual(table.roughness(self.stl("cube.stl", cube())), 12 * 90 / (12 + 6 * 2 ** 0.5), places=5)
+    def test_roughness_is_off_the_mean_normal_of_a_cube_and_does_not_depend_on_the_facets(self):
+        fold = numpy.array([[(0, 0, 0), (0, 1, 0), (-1, 0, 0)], [(0, 0, 0), (0, 0, 1), (0, 1, 0)]], float)
+        self.assertAlmostEqual(table.roughness(self.stl("fold.stl", fold), 10), 45, places=9)
+        self.assertAlmostEqual(table.roughness(self.stl("fold.stl", fold), 0.1), 0, places=9)  # each facet has a cube of its own
+        coarse, fine = (table.roughness(self.stl("torus.stl", torus(n, n // 2)), 0.1) for n in (120, 240))
+        self.assertAlmostEqual(fine / coarse, 1, delta=0.1)
 
     def test_what_is_open(self):
         self.assertFalse(table.is_open(self.stl("a.stl", torus())))
@@ -172,6 +170,12 @@ class Tables(Scratch):
         self.assertEqual(done.returncode, 1)
         self.assertEqual(rows[0]["bars"], [["a result", False]])
         self.assertIn("| exit 1: no luck |", done.stdout)
+
+    def test_results_without_facets_are_none_and_no_path_gets_into_a_document(self):
+        done, rows = self.run_script("--only", "block", command="sh -c 'head -c 84 /dev/zero > {out}'")
+        self.assertEqual(rows[0]["bars"], [["a result", False]])
+        self.assertIn("| holds no facets (binary STL) |", done.stdout)
+        self.assertNotIn(str(self.root), done.stdout)
 
     def test_the_program_gets_the_preset_and_keeps_openings_of_open_truths(self):
         fake = self.root / "fake"
