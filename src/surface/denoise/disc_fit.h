@@ -33,6 +33,7 @@ struct DiscFit {
   double z = 0, slope_x = 0, slope_y = 0, xx = 0, xy = 0, yy = 0;
   double error = 0;     // standard deviation of the slopes for heights with standard deviation 1
   double residual = 0;  // mean square of the heights above the fit, divided by its expected value for heights with standard deviation 1
+  double explained = 0; // weighted sum of squares of heights that the fit explains
   double residual_error = 0;  // standard deviation of `residual`
   bool valid = false;
 };

@@ -10,6 +10,7 @@ void update_points(const FacetMesh& mesh, const std::vector<Vec3>& normals, cons
   for (int i = 0; i < how.iterations; ++i) {
     parallel_for(mesh.facets.size(), [&](std::size_t f) {
       centroid[f] = (points[mesh.facets[f][0]] + points[mesh.facets[f][1]] + points[mesh.facets[f][2]]) / 3.0;
+      if (how.feet) centroid[f] += normals[f] * (how.pull * dot(normals[f], (*how.feet)[f] - centroid[f]));
     });
     parallel_for(points.size(), [&](std::size_t p) {
       const auto around = mesh.facets_of_point[p];

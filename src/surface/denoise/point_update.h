@@ -10,6 +10,8 @@ namespace burnish::denoising {
 struct PointUpdate {
   int iterations = 10;
   double anchor = 0;  // the share of the way back to `home` in each iteration
+  const std::vector<Vec3>* feet = nullptr;
+  double pull = 0;
 };
 
 // Sun et al. 2007: each point moves by the mean over its facets of the way to the plane through the facet's centroid with the facet's target

@@ -11,8 +11,8 @@ namespace burnish::denoising {
 namespace {
 
 struct Tuning {
-  double grow = tune("PG", 1.5), first = tune("PF", 1.6), last = tune("PL", 12), range = tune("PT", .35), kappa = tune("PK", 2.2),
-         moved = tune("PM", .6), misfit = tune("PX", 2), stop = tune("PS", 0.003), floor = tune("AF", 0.01), wide = tune("AW", 1), alike = tune("AS", 0.2);
+  double grow = tune("PG", 1.5), first = tune("PF", 1.6), last = tune("PL", 12.2), range = tune("PT", .35), kappa = tune("PK", 2.2),
+         moved = tune("PM", .6), misfit = tune("PX", 2), bent = tune("PQ", 6), stop = tune("PS", 0.003), floor = tune("AF", 0.01), wide = tune("AW", 1), alike = tune("AS", 0.2);
 };
 
 constexpr std::size_t kClusterFacets = 16;
@@ -224,9 +224,12 @@ class Lepski {
   std::vector<DiscFit> accepted_;
 };
 
-DiscFit scaled(DiscFit fit, double sigma) {
-  fit.error *= sigma;
+DiscFit scaled(DiscFit fit, double sigma, double correlation) {
+  fit.error *= sigma * correlation;
+  fit.residual_error *= correlation;
+  fit.explained /= correlation * correlation;
   fit.residual /= sigma * sigma;
+  fit.explained /= sigma * sigma;
   return fit;
 }
 
@@ -269,8 +272,10 @@ std::vector<Chosen> choose_fits(const Scene& scene, const Tuning& t) {
             see(scene, around, frame, seen, t.range, samples);
           }
           const DiscMoments moments = disc_moments(samples, samples.size(), r);
-          const bool curved = choice.offer(scaled(fit_paraboloid(moments), scene.options.sigma), r),
-                     flat = choice.offer(scaled(fit_plane(moments), scene.options.sigma), r);
+          const DiscFit paraboloid = scaled(fit_paraboloid(moments), scene.options.sigma, scene.options.correlation), plane = scaled(fit_plane(moments), scene.options.sigma, scene.options.correlation);
+          const bool curved = choice.offer(paraboloid, r);
+          const bool bent = paraboloid.valid && paraboloid.explained - plane.explained > t.bent;
+          const bool flat = !bent && choice.offer(plane, r);
           if (choice.any() && ((!curved && !flat) || choice.best.error < t.stop)) break;
         }
         if (!choice.any()) continue;

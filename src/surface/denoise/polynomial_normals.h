@@ -9,6 +9,7 @@ namespace burnish::denoising {
 
 struct PolynomialOptions {
   double sigma = 0;              // of the points along the normals, model units
+  double correlation = 1;        // by how much the errors of means exceed those for independent noise
   double least_radius = 0;       // of a fit, model units
   std::vector<float> trust;      // of each point, 0 to 1: the weight that its height has in fits
 };
