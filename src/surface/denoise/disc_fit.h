@@ -11,7 +11,7 @@ namespace burnish::denoising {
 struct HeightSamples {
   std::vector<double> x, y, z;        // in the frame of the plane
   std::vector<double> squared_distance;
-  std::vector<double> weight;
+  std::vector<double> weight;         // apart from the distance
 
   void resize(std::size_t n);
   std::size_t size() const { return x.size(); }
