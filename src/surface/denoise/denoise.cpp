@@ -2,77 +2,165 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "burnish/core/parallel.h"
 #include "facet_mesh.h"
 #include "facet_normals.h"
 #include "point_update.h"
 #include "polynomial_normals.h"
-#include "tune.h"
+#include "volume_lock.h"
 
 namespace burnish {
 namespace {
+
 using namespace denoising;
 
-std::vector<float> trust_in_points(const FacetMesh& mesh, const FacetGeometry& g, const std::vector<Vec3>& points, const std::vector<Vec3>& home, double sigma) {
+constexpr double kGuideRange = 0.53;           // radians
+constexpr double kFitRange = 0.3;              // radians; sides of a crease that differ by sqrt(6) times this, 43 degrees, are kept apart altogether
+constexpr double kFiltersPerNoise = 20;        // passes of the first filter, times noise over edge
+constexpr int kMostFilters = 50;
+constexpr double kOutlier = 2.5;               // standard deviations at which a point has a quarter of its weight
+constexpr double kZeroOfWaves = 1.2077;        // radii of a disc over the length of the waves that it does not see, j(4,1) / 2 pi  [T-DENOISE-4]
+constexpr PointUpdate kFilterUpdate{10};
+constexpr double kAnchor = 0.002, kPull = 0.03, kStrongPull = 0.3;
+constexpr int kLastUpdates = 25;
+constexpr double kLongestShift = 0.5;          // mean edges
+
+// How far points have moved along the normals that they have now.
+struct Moved {
+  std::vector<double> along;
+  double rms = 0;
+  double correlation = 0;  // Moran's I over the facets' edges
+};
+
+Moved moved(const FacetMesh& mesh, const FacetGeometry& g, const std::vector<Vec3>& points, const std::vector<Vec3>& home) {
+  const auto add = [](double a, double b) { return a + b; };
   const std::vector<Vec3> normals = point_normals(mesh, g.normal, g.area);
-  std::vector<float> trust(points.size(), 1);
-  const double limit = tune("PB", 2.5) * sigma;
-  parallel_for(points.size(), [&](std::size_t p) {
-    const double r = dot(points[p] - home[p], normals[p]) / limit;
-    trust[p] = static_cast<float>(1 / ((1 + r * r) * (1 + r * r)));
-  });
-  return trust;
+  Moved m{std::vector<double>(points.size())};
+  const double squares = parallel_reduce(points.size(), kDefaultGrain, 0.0, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t p = begin; p < end; ++p) {
+      m.along[p] = dot(points[p] - home[p], normals[p]);
+      sum += m.along[p] * m.along[p];
+    }
+    return sum;
+  }, add);
+  const double products = parallel_reduce(mesh.facets.size(), kDefaultGrain, 0.0, [&](std::size_t begin, std::size_t end) {
+    double sum = 0;
+    for (std::size_t f = begin; f < end; ++f) {
+      const double a = m.along[mesh.facets[f][0]], b = m.along[mesh.facets[f][1]], c = m.along[mesh.facets[f][2]];
+      sum += a * b + b * c + c * a;
+    }
+    return sum;
+  }, add);
+  if (squares == 0) return m;
+  const double mean = squares / static_cast<double>(points.size());
+  m.rms = std::sqrt(mean);
+  m.correlation = products / (3.0 * static_cast<double>(mesh.facets.size()) * mean);
+  return m;
 }
 
-// How far points moved along the normals they have now.
-double rms_along_normals(const FacetMesh& mesh, const FacetGeometry& g, const std::vector<Vec3>& points, const std::vector<Vec3>& home) {
-  const std::vector<Vec3> normals = point_normals(mesh, g.normal, g.area);
-  double sum = 0;
-  std::size_t count = 0;
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    const double d = dot(points[p] - home[p], normals[p]);
-    sum += d * d;
-    ++count;
+// By how much the error of a mean over many points exceeds that of independent ones, if the k-th ring of 6 k points is correlated by I^k. [T-DENOISE-4]
+double error_of_means(double correlation) {
+  const double i = std::clamp(correlation, 0.0, 0.5);
+  return std::sqrt(1 + 6 * i / ((1 - i) * (1 - i)));
+}
+
+class Run {
+ public:
+  Run(const TriangleSoup& oriented, const DenoiseOptions& options, Progress& progress, DenoiseResult& result)
+      : options_(options), progress_(progress), result_(result), home_(oriented.points), points_(result.soup.points), mesh_(oriented),
+        geometry_(mesh_, oriented.points), edge_(mean_edge(mesh_, oriented.points)) {
+    if (options.crease_angle) range_ = 2 * std::sin(0.5 * *options.crease_angle * std::numbers::pi / 180) / (kCreaseAngleRanges * kFitRange);
   }
-  return count == 0 ? 0 : std::sqrt(sum / static_cast<double>(count));
+
+  void operator()() {
+    filter();
+    const double sigma = options_.sigma.value_or(0) > 0 ? *options_.sigma : moved_.rms;
+    result_.sigma = sigma;
+    if (!(sigma > 0)) return;
+    fit(sigma);
+    keep_bounds();
+  }
+
+ private:
+  static constexpr double kCreaseAngleRanges = 2.449489742783178;  // sqrt(6)
+
+  // Until the passes are as many as the noise found so far asks for. [T-DENOISE-2]
+  void filter() {
+    for (int i = 1; i <= kMostFilters; ++i) {
+      progress_.check();
+      normals_ = guided_normals(mesh_, geometry_, range_ * kGuideRange);
+      update_points(mesh_, normals_, home_, options_.mobility, kFilterUpdate, points_);
+      geometry_.update(mesh_, points_);
+      moved_ = moved(mesh_, geometry_, points_, home_);
+      if (i >= kFiltersPerNoise * moved_.rms / mean_edge(mesh_, points_) * error_of_means(moved_.correlation)) return;
+    }
+  }
+
+  void fit(double sigma) {
+    PolynomialOptions o{sigma, error_of_means(moved_.correlation), kZeroOfWaves * options_.length.value_or(0), range_ * kFitRange, trust(sigma)};
+    const LocalPolynomials fits = local_polynomials(mesh_, normals_, points_, home_, o, progress_);
+    const PointUpdate how{kLastUpdates, options_.length ? 0 : kAnchor, &fits.foot, options_.length ? kStrongPull : kPull};
+    update_points(mesh_, fits.normal, home_, options_.mobility, how, points_);
+    geometry_.update(mesh_, points_);
+  }
+
+  std::vector<float> trust(double sigma) {
+    std::vector<float> trust(points_.size());
+    for (std::size_t p = 0; p < points_.size(); ++p) {
+      const double r = moved_.along[p] / (kOutlier * sigma), q = 1 + r * r;
+      trust[p] = static_cast<float>(1 / (q * q));
+      if (std::abs(moved_.along[p]) > 3 * sigma) ++result_.outliers;
+    }
+    return trust;
+  }
+
+  void keep_bounds() {
+    std::vector<Vec3> directions = point_normals(mesh_, geometry_.normal, geometry_.area);
+    for (std::size_t p = 0; p < options_.mobility.size(); ++p) directions[p] *= static_cast<double>(options_.mobility[p]);
+    lock_volume(mesh_, home_, directions, kLongestShift * edge_, points_);
+    if (!options_.deviation) return;
+    const double limit = *options_.deviation;
+    parallel_for(points_.size(), [&](std::size_t p) {
+      const Vec3 d = points_[p] - home_[p];
+      if (norm(d) > limit) points_[p] = home_[p] + d * (limit / norm(d) * (1 - 1e-12));
+    });
+  }
+
+  const DenoiseOptions& options_;
+  Progress& progress_;
+  DenoiseResult& result_;
+  const std::vector<Vec3>& home_;
+  std::vector<Vec3>& points_;
+  FacetMesh mesh_;
+  FacetGeometry geometry_;
+  double edge_ = 0, range_ = 1;
+  std::vector<Vec3> normals_;
+  Moved moved_;
+};
+
+// What the points have moved in the end.
+void summarise(const TriangleSoup& before, DenoiseResult& result) {
+  const FacetMesh mesh(before);
+  const FacetGeometry geometry(mesh, result.soup.points);
+  result.rms_moved = moved(mesh, geometry, result.soup.points, before.points).rms;
+  for (std::size_t p = 0; p < before.points.size(); ++p) result.max_moved = std::max(result.max_moved, norm(result.soup.points[p] - before.points[p]));
 }
 
 }  // namespace
 
 DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& options, Progress& progress) {
-  static_cast<void>(options);
+  progress.begin_stage("denoising");
   progress.check();
   DenoiseResult result;
   result.soup = oriented;
   result.noise = estimate_noise(oriented);
-  const FacetMesh mesh(oriented);
-  FacetGeometry geometry(mesh, oriented.points);
-  std::vector<Vec3>& points = result.soup.points;
-  std::vector<Vec3> normals;
-  if (tune("FIRST", 0) == 0) {
-    const int n = static_cast<int>(tune("GN", 10));
-    for (int i = 0; i < n; ++i) {
-      normals = guided_normals(mesh, geometry, tune("GR", .35));
-      update_points(mesh, normals, oriented.points, {static_cast<int>(tune("GU", 10)), tune("GA", 0)}, points);
-      geometry.update(mesh, points);
-    }
-  } else {
-    normals = bilateral_normals(mesh, geometry, tune("BR", .45), static_cast<int>(tune("BN", 5)));
-    update_points(mesh, normals, oriented.points, {static_cast<int>(tune("BU", 30)), tune("GA", 0)}, points);
-    geometry.update(mesh, points);
-  }
-  const double sigma = tune("SIGMA", 1) * rms_along_normals(mesh, geometry, points, oriented.points);
-  result.noise.sigma = sigma;
-  result.noise.mean_edge = mean_edge(mesh, points);
-  const int passes = static_cast<int>(tune("LP", 1));
-  for (int i = 0; i < passes; ++i) {
-    const LocalPolynomials fits = local_polynomials(mesh, tune("LN", 0) == 0 ? normals : geometry.normal, points, oriented.points, {sigma, 0, trust_in_points(mesh, geometry, points, oriented.points, sigma)});
-    normals = fits.normal;
-    points = tune("RESTART", 0) == 1 ? oriented.points : points;
-    update_points(mesh, normals, oriented.points, {static_cast<int>(tune("LU", 40)), tune("LA", .002)}, points);
-    geometry.update(mesh, points);
-  }
+  const double sigma = options.sigma.value_or(result.noise.sigma);
+  if (oriented.facets.empty() || (!(sigma > 0) && !options.length)) return result;
+  Run(oriented, options, progress, result)();
+  summarise(oriented, result);
   return result;
 }
 

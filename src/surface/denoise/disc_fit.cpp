@@ -30,6 +30,7 @@ DiscFit solve(const Eigen::Matrix<double, N, N>& m, const Eigen::Matrix<double, 
   // A full disc: the mean weight is 1/3, the mean square of weights 1/5 and of residuals' correlations as many parameters as N.
   const double effective = m(0, 0) * (5.0 / 3.0) , freedom = std::max(effective - N, 0.25 * effective) / effective;
   fit.residual = std::max(0.0, d.height_squared - c.dot(b)) * radius * radius / (m(0, 0) * freedom);
+  fit.explained = c.dot(b) * radius * radius;
   fit.residual_error = std::sqrt(2.0 / (effective * freedom));
   fit.valid = true;
   return fit;

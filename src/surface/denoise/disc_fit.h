@@ -11,7 +11,7 @@ namespace burnish::denoising {
 struct HeightSamples {
   std::vector<double> x, y, z;        // in the frame of the plane
   std::vector<double> squared_distance;
-  std::vector<double> weight;
+  std::vector<double> weight;         // apart from the distance
 
   void resize(std::size_t n);
   std::size_t size() const { return x.size(); }
@@ -33,6 +33,7 @@ struct DiscFit {
   double z = 0, slope_x = 0, slope_y = 0, xx = 0, xy = 0, yy = 0;
   double error = 0;     // standard deviation of the slopes for heights with standard deviation 1
   double residual = 0;  // mean square of the heights above the fit, divided by its expected value for heights with standard deviation 1
+  double explained = 0; // weighted sum of squares of heights that the fit explains
   double residual_error = 0;  // standard deviation of `residual`
   bool valid = false;
 };

@@ -8,27 +8,27 @@
 namespace burnish::denoising {
 namespace {
 
-// Rows that `fill(i, row)` writes, twice: to count and to store.
+// Rows that `fill(i, row)` appends to, sorted and without repetition. Called twice: to count and to store.
 template <class Fill>
 Rows rows_of(std::size_t count, Fill&& fill) {
   Rows rows;
   rows.first.assign(count + 1, 0);
-  parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> row;
-    for (std::size_t i = begin; i < end; ++i) {
-      row.clear();
-      fill(i, row);
-      rows.first[i] = static_cast<std::uint32_t>(row.size());
-    }
-  });
+  const auto for_each_row = [&](auto&& visit) {
+    parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::uint32_t> row;
+      for (std::size_t i = begin; i < end; ++i) {
+        row.clear();
+        fill(i, row);
+        std::sort(row.begin(), row.end());
+        row.erase(std::unique(row.begin(), row.end()), row.end());
+        visit(i, row);
+      }
+    });
+  };
+  for_each_row([&](std::size_t i, const std::vector<std::uint32_t>& row) { rows.first[i] = row.size(); });
   rows.entries.resize(exclusive_scan_in_place(rows.first));
-  parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> row;
-    for (std::size_t i = begin; i < end; ++i) {
-      row.clear();
-      fill(i, row);
-      std::copy(row.begin(), row.end(), rows.entries.begin() + rows.first[i]);
-    }
+  for_each_row([&](std::size_t i, const std::vector<std::uint32_t>& row) {
+    std::copy(row.begin(), row.end(), rows.entries.begin() + static_cast<std::ptrdiff_t>(rows.first[i]));
   });
   return rows;
 }
@@ -40,7 +40,7 @@ Rows facets_around_points(const TriangleSoup& soup) {
     if (!repeats_point(f))
       for (const std::uint32_t p : f) ++rows.first[p];
   rows.entries.resize(exclusive_scan_in_place(rows.first));
-  std::vector<std::uint32_t> next(rows.first);
+  std::vector<std::uint64_t> next(rows.first);
   for (std::uint32_t f = 0; f < soup.facets.size(); ++f)
     if (!repeats_point(soup.facets[f]))
       for (const std::uint32_t p : soup.facets[f]) rows.entries[next[p]++] = f;
@@ -65,18 +65,19 @@ FacetMesh::FacetMesh(const TriangleSoup& welded)
   }
   ring = rows_of(facets.size(), [&](std::size_t f, std::vector<std::uint32_t>& row) {
     if (repeats_point(facets[f])) return;
+    for (const std::uint32_t g : across[f])
+      if (g != kNoFacet) row.push_back(g);
     for (const std::uint32_t p : facets[f])
-      for (const std::uint32_t g : facets_of_point[p])
-        if (g != f) row.push_back(g);
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
+      if (facets_of_point[p].size() <= kMostAround)
+        for (const std::uint32_t g : facets_of_point[p])
+          if (g != f) row.push_back(g);
   });
   two_rings = rows_of(facets.size(), [&](std::size_t f, std::vector<std::uint32_t>& row) {
-    row.assign(ring[f].begin(), ring[f].end());
-    for (const std::uint32_t g : ring[f]) row.insert(row.end(), ring[g].begin(), ring[g].end());
-    std::sort(row.begin(), row.end());
-    row.erase(std::unique(row.begin(), row.end()), row.end());
-    std::erase(row, static_cast<std::uint32_t>(f));
+    for (const std::uint32_t g : ring[f]) {
+      row.push_back(g);
+      for (const std::uint32_t h : ring[g])
+        if (h != f) row.push_back(h);
+    }
   });
 }
 

@@ -12,11 +12,13 @@ namespace burnish::denoising {
 
 // Rows of numbers of different length.
 struct Rows {
-  std::vector<std::uint32_t> first;  // row i is [first[i], first[i + 1])
+  std::vector<std::uint64_t> first;  // row i is [first[i], first[i + 1])
   std::vector<std::uint32_t> entries;
 
   std::span<const std::uint32_t> operator[](std::size_t i) const { return {entries.data() + first[i], first[i + 1] - first[i]}; }
 };
+
+inline constexpr std::size_t kMostAround = 24;
 
 // The connectivity of a welded, oriented soup; points may move under it.
 struct FacetMesh {
@@ -25,7 +27,8 @@ struct FacetMesh {
   std::vector<Facet> facets;
   std::vector<std::array<std::uint32_t, 3>> across;  // behind each side: the other facet of an edge with two opposite uses, or kNoFacet
   Rows facets_of_point;                              // facets that repeat a point are left out everywhere
-  Rows ring;                                         // of each facet: the others that share a point with it
+  Rows ring;                                         // of each facet: others that share a point with it; around points with more than
+                                                     // kMostAround facets only those across its edges
   Rows two_rings;                                    // of each facet: its ring, and the rings of those
   std::vector<std::uint8_t> on_rim;                  // of each point: 1 on an edge that does not have two opposite uses
   bool closed = false;                               // all edges have two opposite uses

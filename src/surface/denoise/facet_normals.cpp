@@ -4,10 +4,25 @@
 #include <cmath>
 
 #include "burnish/core/parallel.h"
-#include "tune.h"
 
 namespace burnish::denoising {
 namespace {
+
+// The mean distance between centroids of facets that share an edge.
+double mean_centroid_distance(const FacetMesh& mesh, const FacetGeometry& geometry) {
+  struct Sum {
+    double length = 0;
+    std::size_t count = 0;
+  };
+  const Sum sum = parallel_reduce(mesh.facets.size(), kDefaultGrain, Sum{}, [&](std::size_t begin, std::size_t end) {
+    Sum part;
+    for (std::size_t f = begin; f < end; ++f)
+      for (const std::uint32_t g : mesh.across[f])
+        if (g != kNoFacet) part = {part.length + norm(geometry.centroid[g] - geometry.centroid[f]), part.count + 1};
+    return part;
+  }, [](const Sum& a, const Sum& b) { return Sum{a.length + b.length, a.count + b.count}; });
+  return sum.count == 0 ? 0 : sum.length / static_cast<double>(sum.count);
+}
 
 // How inconsistent the normals of a facet's patch are: their largest difference, times the share of the largest jump in all jumps
 // across edges at the facet's points. A patch across a crease has both, a noisy flat one spreads its jumps.
@@ -53,8 +68,9 @@ std::vector<Vec3> guides(const FacetMesh& mesh, const FacetGeometry& geometry) {
 }
 
 // Means of normals over neighbours, weighted by area, distance and the likeness of `guide`.
-std::vector<Vec3> joint_bilateral(const FacetMesh& mesh, const FacetGeometry& geometry, const std::vector<Vec3>& normal,
-                                  const std::vector<Vec3>& guide, double range, double distance) {
+std::vector<Vec3> joint_bilateral(const FacetMesh& mesh, const FacetGeometry& geometry, const std::vector<Vec3>& guide, double range) {
+  const std::vector<Vec3>& normal = geometry.normal;
+  const double distance = mean_centroid_distance(mesh, geometry);
   std::vector<Vec3> filtered(mesh.facets.size());
   const double per_range = -0.5 / (range * range), per_distance = -0.5 / (distance * distance), reach = 4 * distance * distance;
   parallel_for(mesh.facets.size(), [&](std::size_t f) {
@@ -71,30 +87,8 @@ std::vector<Vec3> joint_bilateral(const FacetMesh& mesh, const FacetGeometry& ge
 
 }  // namespace
 
-double mean_centroid_distance(const FacetMesh& mesh, const FacetGeometry& geometry) {
-  struct Sum {
-    double length = 0;
-    std::size_t count = 0;
-  };
-  const Sum sum = parallel_reduce(mesh.facets.size(), kDefaultGrain, Sum{}, [&](std::size_t begin, std::size_t end) {
-    Sum part;
-    for (std::size_t f = begin; f < end; ++f)
-      for (const std::uint32_t g : mesh.across[f])
-        if (g != kNoFacet) part = {part.length + norm(geometry.centroid[g] - geometry.centroid[f]), part.count + 1};
-    return part;
-  }, [](const Sum& a, const Sum& b) { return Sum{a.length + b.length, a.count + b.count}; });
-  return sum.count == 0 ? 0 : sum.length / static_cast<double>(sum.count);
-}
-
 std::vector<Vec3> guided_normals(const FacetMesh& mesh, const FacetGeometry& geometry, double range) {
-  return joint_bilateral(mesh, geometry, geometry.normal, guides(mesh, geometry), range, tune("GD", 1) * mean_centroid_distance(mesh, geometry));
-}
-
-std::vector<Vec3> bilateral_normals(const FacetMesh& mesh, const FacetGeometry& geometry, double range, int iterations) {
-  std::vector<Vec3> normal = geometry.normal;
-  const double distance = mean_centroid_distance(mesh, geometry);
-  for (int i = 0; i < iterations; ++i) normal = joint_bilateral(mesh, geometry, normal, normal, range, 1.5 * distance);
-  return normal;
+  return joint_bilateral(mesh, geometry, guides(mesh, geometry), range);
 }
 
 }  // namespace burnish::denoising

@@ -11,10 +11,4 @@ namespace burnish::denoising {
 // holds it; a normal becomes the mean of its neighbours', weighted by area, distance and the likeness of guides. [T-DENOISE-1]
 std::vector<Vec3> guided_normals(const FacetMesh& mesh, const FacetGeometry& geometry, double range);
 
-// Iterated bilateral filtering of normals (Zheng et al. 2011): weights by area, distance and likeness of the normals themselves. [T-DENOISE-2]
-std::vector<Vec3> bilateral_normals(const FacetMesh& mesh, const FacetGeometry& geometry, double range, int iterations);
-
-// The mean distance between centroids of facets that share an edge.
-double mean_centroid_distance(const FacetMesh& mesh, const FacetGeometry& geometry);
-
 }  // namespace burnish::denoising

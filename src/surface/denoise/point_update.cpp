@@ -3,21 +3,39 @@
 #include "burnish/core/parallel.h"
 
 namespace burnish::denoising {
+namespace {
 
-void update_points(const FacetMesh& mesh, const std::vector<Vec3>& normals, const std::vector<Vec3>& home, const PointUpdate& how,
-                   std::vector<Vec3>& points) {
-  std::vector<Vec3> next(points.size()), centroid(mesh.facets.size());
+// The middle of a facet's target plane: its centroid, pulled towards the foot.
+Vec3 middle_of(const Facet& facet, const std::vector<Vec3>& points, const Vec3& normal, const Vec3* foot, double pull) {
+  const Vec3 centroid = (points[facet[0]] + points[facet[1]] + points[facet[2]]) / 3.0;
+  return foot == nullptr ? centroid : centroid + normal * (pull * dot(normal, *foot - centroid));
+}
+
+}  // namespace
+
+void update_points(const FacetMesh& mesh, const std::vector<Vec3>& normals, const std::vector<Vec3>& home, const std::vector<float>& mobility,
+                   const PointUpdate& how, std::vector<Vec3>& points) {
+  std::vector<Vec3> next(points.size()), middle(mesh.facets.size());
+  const auto step_of = [&](std::size_t p) {
+    Vec3 sum, along;
+    for (const std::uint32_t f : mesh.facets_of_point[p]) {
+      sum += normals[f] * dot(normals[f], middle[f] - points[p]);
+      along += normals[f];
+    }
+    const Vec3 step = sum / static_cast<double>(mesh.facets_of_point[p].size()) + (home[p] - points[p]) * how.anchor;
+    if (mesh.on_rim[p] == 0) return step;
+    const Vec3 n = unit_or(along, {});
+    return n * dot(n, step);
+  };
   for (int i = 0; i < how.iterations; ++i) {
     parallel_for(mesh.facets.size(), [&](std::size_t f) {
-      centroid[f] = (points[mesh.facets[f][0]] + points[mesh.facets[f][1]] + points[mesh.facets[f][2]]) / 3.0;
+      middle[f] = middle_of(mesh.facets[f], points, normals[f], how.feet == nullptr ? nullptr : &(*how.feet)[f], how.pull);
     });
     parallel_for(points.size(), [&](std::size_t p) {
-      const auto around = mesh.facets_of_point[p];
       next[p] = points[p];
-      if (around.empty()) return;
-      Vec3 step;
-      for (const std::uint32_t f : around) step += normals[f] * dot(normals[f], centroid[f] - points[p]);
-      next[p] += step / static_cast<double>(around.size()) + (home[p] - points[p]) * how.anchor;
+      if (mesh.facets_of_point[p].empty()) return;
+      if (mobility.empty()) next[p] += step_of(p);
+      else if (mobility[p] > 0) next[p] += step_of(p) * static_cast<double>(mobility[p]);
     });
     points.swap(next);
   }

@@ -5,16 +5,20 @@
 
 #include "burnish/core/parallel.h"
 #include "disc_fit.h"
-#include "tune.h"
 
 namespace burnish::denoising {
 namespace {
 
-struct Tuning {
-  double grow = tune("PG", 1.5), first = tune("PF", 1.6), last = tune("PL", 12), range = tune("PT", .35), kappa = tune("PK", 2.2),
-         moved = tune("PM", .6), misfit = tune("PX", 2), stop = tune("PS", 0.003), floor = tune("AF", 0.01), wide = tune("AW", 1), alike = tune("AS", 0.2);
-};
-
+constexpr double kFirstRadius = 1.6, kLastRadius = 12.2, kGrowth = 1.5;  // local edges: 1.6, 2.4, 3.6, 5.4, 8.1, 12.15
+constexpr double kCut = 6;                     // squared ranges: normals that differ by more are another side's
+constexpr double kAgreement = 2.2;             // standard deviations of slopes
+constexpr double kMisfit = 2;                  // standard deviations of the mean square of residuals
+constexpr double kBent = 6;                    // the part of the sum of squares, in sigma^2, from which a paraboloid is more than a plane: 1 % chance
+constexpr double kFineEnough = 0.003;          // radians: a better slope is not looked for
+constexpr double kLargestTurn = 0.6;           // radians: fits that turn a facet by more are not believed
+constexpr double kLeastError = 0.01;           // radians: fits more precise than this are equal
+constexpr double kAlike = 0.4;                 // radians: predictions that differ by less from a facet's own fit count
+constexpr double kEdgePerRootArea = 1.5196713713031853;  // of equilateral triangles
 constexpr std::size_t kClusterFacets = 16;
 constexpr double kClusterReach = 1.5;          // local edges
 constexpr std::size_t kMostFacets = 4000;      // that a cluster looks at
@@ -60,12 +64,12 @@ struct Scene {
   const std::vector<Vec3>&normals, &points, &noisy;
   const PolynomialOptions& options;
   std::vector<Vec3> centroid;
-  std::vector<float> spacing;                     // of each facet: the edge of equilateral facets with the mean area of its ring
+  std::vector<double> spacing;                    // of each facet: the edge of equilateral facets with the mean area of its ring
   std::vector<std::uint32_t> first_side;          // of each point, into `side`: normals of its facets, those alike together
   std::vector<Vec3> side;
   Rows clusters;                                  // facets close together with normals alike
 
-  Scene(const FacetMesh& m, const std::vector<Vec3>& n, const std::vector<Vec3>& p, const std::vector<Vec3>& q, const PolynomialOptions& o, double range);
+  Scene(const FacetMesh& m, const std::vector<Vec3>& n, const std::vector<Vec3>& p, const std::vector<Vec3>& q, const PolynomialOptions& o);
 
  private:
   void measure();
@@ -73,12 +77,11 @@ struct Scene {
   void gather_clusters(double range);
 };
 
-Scene::Scene(const FacetMesh& m, const std::vector<Vec3>& n, const std::vector<Vec3>& p, const std::vector<Vec3>& q, const PolynomialOptions& o,
-             double range)
+Scene::Scene(const FacetMesh& m, const std::vector<Vec3>& n, const std::vector<Vec3>& p, const std::vector<Vec3>& q, const PolynomialOptions& o)
     : mesh(m), normals(n), points(p), noisy(q), options(o) {
   measure();
-  split_sides(range);
-  gather_clusters(range);
+  split_sides(o.range);
+  gather_clusters(o.range);
 }
 
 void Scene::measure() {
@@ -88,7 +91,7 @@ void Scene::measure() {
   parallel_for(centroid.size(), [&](std::size_t f) {
     double sum = g.area[f];
     for (const std::uint32_t h : mesh.ring[f]) sum += g.area[h];
-    spacing[f] = static_cast<float>(1.5197 * std::sqrt(sum / static_cast<double>(mesh.ring[f].size() + 1)));  // sqrt(4 / sqrt(3))
+    spacing[f] = kEdgePerRootArea * std::sqrt(sum / static_cast<double>(mesh.ring[f].size() + 1));
   });
 }
 
@@ -139,9 +142,9 @@ void Scene::gather_clusters(double range) {
 // The points that the facets of a cluster see, gathered farther out as they ask for more.
 class Surroundings {
  public:
-  void start(const Scene& scene, std::uint32_t seed, double range) {
+  void start(std::uint32_t seed, double range) {
     seed_ = seed;
-    far_ = 16 * range * range;
+    far_ = (std::sqrt(kCut) + 1) * (std::sqrt(kCut) + 1) * range * range;  // facets of a cluster differ from its seed by up to one range
     seen_facets_.clear();
     seen_points_.clear();
     waiting_.assign(1, seed);
@@ -149,7 +152,6 @@ class Surroundings {
     seen_facets_.insert(seed);
     facets_ = 0;
     reach = 0;
-    static_cast<void>(scene);
   }
   // All points of facets whose centroids lie within `to` of the seed's.
   void extend(const Scene& scene, double to) {
@@ -183,35 +185,34 @@ class Surroundings {
 };
 
 // Heights of the points around one facet, up to a radius.
-void see(const Scene& scene, const Surroundings& around, const Frame& frame, double radius, double range, HeightSamples& samples) {
-  const double r2 = radius * radius, far = 9 * range * range, per_range = -0.5 / (range * range);
+void see(const Scene& scene, const Surroundings& around, const Frame& frame, double radius, HeightSamples& samples) {
+  const double range2 = scene.options.range * scene.options.range, r2 = radius * radius;
   samples.resize(0);
   for (const std::uint32_t p : around.points) {
     const double d2 = squared_norm(scene.points[p] - frame.origin);
     if (d2 >= r2) continue;
-    double unlike = far;
+    double unlike = kCut * range2;
     for (std::uint32_t s = scene.first_side[p]; s < scene.first_side[p + 1]; ++s) unlike = std::min(unlike, squared_norm(scene.side[s] - frame.n));
-    if (unlike >= far) continue;
+    if (unlike >= kCut * range2) continue;
     const Vec3 d = scene.noisy[p] - frame.origin;
     samples.x.push_back(dot(d, frame.u));
     samples.y.push_back(dot(d, frame.v));
     samples.z.push_back(dot(d, frame.n));
     samples.squared_distance.push_back(d2);
-    samples.weight.push_back(std::exp(per_range * unlike) * static_cast<double>(scene.options.trust[p]));
+    samples.weight.push_back(std::exp(-0.5 * unlike / range2) * static_cast<double>(scene.options.trust[p]));
   }
   samples.resize((samples.size() + 3) / 4 * 4);  // new ones weigh nothing
 }
 
-// The choice among fits, finest first.
+// The choice among fits, offered with growing radii: of those that agree with all accepted before them, the one with the least variance. [T-DENOISE-4]
 class Lepski {
  public:
-  Lepski(double kappa, double misfit) : kappa_(kappa), misfit_(misfit) {}
   void clear() { accepted_.clear(); }
   bool offer(const DiscFit& fit, double radius) {
-    if (!fit.valid || (!accepted_.empty() && fit.residual > 1 + misfit_ * fit.residual_error)) return false;
+    if (!fit.valid || (any() && fit.residual > 1 + kMisfit * fit.residual_error)) return false;
     for (const DiscFit& finer : accepted_)
-      if (std::hypot(fit.slope_x - finer.slope_x, fit.slope_y - finer.slope_y) > kappa_ * finer.error) return false;
-    if (accepted_.empty() || fit.error < best.error) best = fit, best_radius = radius;
+      if (std::hypot(fit.slope_x - finer.slope_x, fit.slope_y - finer.slope_y) > kAgreement * finer.error) return false;
+    if (!any() || fit.error < best.error) best = fit, best_radius = radius;
     accepted_.push_back(fit);
     return true;
   }
@@ -220,13 +221,15 @@ class Lepski {
   double best_radius = 0;
 
  private:
-  double kappa_, misfit_;
   std::vector<DiscFit> accepted_;
 };
 
-DiscFit scaled(DiscFit fit, double sigma) {
-  fit.error *= sigma;
-  fit.residual /= sigma * sigma;
+// In the noise's units.
+DiscFit scaled(DiscFit fit, const PolynomialOptions& o) {
+  fit.error *= o.sigma * o.correlation;
+  fit.residual /= o.sigma * o.sigma;
+  fit.residual_error *= o.correlation;
+  fit.explained /= o.sigma * o.sigma * o.correlation * o.correlation;
   return fit;
 }
 
@@ -247,94 +250,104 @@ Vec3 foot_of(const Chosen& c, double x, double y) {
          c.frame.n * (c.fit.z + (c.fit.slope_x + c.fit.xx * x + c.fit.xy * y) * x + (c.fit.slope_y + c.fit.yy * y) * y);
 }
 
-std::vector<Chosen> choose_fits(const Scene& scene, const Tuning& t) {
+// Fits around the facets of a cluster.
+class ClusterFits {
+ public:
+  explicit ClusterFits(const Scene& scene) : scene_(scene) {}
+  void start(std::uint32_t seed) {
+    seed_ = seed;
+    around_.start(seed, scene_.options.range);
+  }
+  Chosen choose(std::uint32_t f) {
+    const Frame frame = frame_at(scene_.centroid[f], scene_.normals[f]);
+    const double spacing = scene_.spacing[f], first = std::max(kFirstRadius * spacing, scene_.options.least_radius), last = std::max(kLastRadius * spacing, first);
+    choice_.clear();
+    if (spacing == 0) return {};
+    double seen = 0;
+    for (double radius = first; radius <= last; radius *= kGrowth) {
+      if (radius > seen) {
+        seen = std::min(last, radius * kGrowth);
+        around_.extend(scene_, seen + norm(frame.origin - scene_.centroid[seed_]) + spacing);
+        see(scene_, around_, frame, seen, samples_);
+      }
+      const bool accepted = offer(radius);
+      if (choice_.any() && (!accepted || choice_.best.error < kFineEnough)) break;
+    }
+    const Chosen chosen{frame, choice_.best, choice_.best_radius};
+    return choice_.any() && norm(normal_of(chosen, 0, 0) - frame.n) <= kLargestTurn ? chosen : Chosen{};
+  }
+
+ private:
+  // A plane and a paraboloid have the same slope in the middle of a full disc, at the same variance, but not the same height: a plane must be good enough.
+  bool offer(double radius) {
+    const DiscMoments moments = disc_moments(samples_, samples_.size(), radius);
+    const DiscFit paraboloid = scaled(fit_paraboloid(moments), scene_.options), plane = scaled(fit_plane(moments), scene_.options);
+    const bool curved = choice_.offer(paraboloid, radius), bent = paraboloid.valid && paraboloid.explained - plane.explained > kBent;
+    return (!bent && choice_.offer(plane, radius)) || curved;
+  }
+
+  const Scene& scene_;
+  Surroundings around_;
+  HeightSamples samples_;
+  Lepski choice_;
+  std::uint32_t seed_ = 0;
+};
+
+std::vector<Chosen> choose_fits(const Scene& scene, Progress& progress) {
+  constexpr std::size_t kClustersAtOnce = 32;
   std::vector<Chosen> chosen(scene.normals.size());
-  parallel_ranges(scene.clusters.first.size() - 1, 32, [&](std::size_t begin, std::size_t end) {
-    Surroundings around;
-    HeightSamples samples;
-    Lepski choice(t.kappa, t.misfit);
+  parallel_ranges(scene.clusters.first.size() - 1, kClustersAtOnce, [&](std::size_t begin, std::size_t end) {
+    progress.check();
+    ClusterFits fits(scene);
     for (std::size_t c = begin; c < end; ++c) {
       const auto cluster = scene.clusters[c];
-      around.start(scene, cluster[0], t.range);
-      for (const std::uint32_t f : cluster) {
-        const Frame frame = frame_at(scene.centroid[f], scene.normals[f]);
-        const double spacing = scene.spacing[f];
-        choice.clear();
-        double seen = 0;
-        for (double multiple = t.first; multiple <= t.last * 1.0001; multiple *= t.grow) {
-          const double r = multiple * spacing;
-          if (r > seen) {
-            seen = std::min(t.last * 1.0001 * spacing, r * t.grow * 1.0001);
-            around.extend(scene, seen + norm(frame.origin - scene.centroid[cluster[0]]) + spacing);
-            see(scene, around, frame, seen, t.range, samples);
-          }
-          const DiscMoments moments = disc_moments(samples, samples.size(), r);
-          const bool curved = choice.offer(scaled(fit_paraboloid(moments), scene.options.sigma), r),
-                     flat = choice.offer(scaled(fit_plane(moments), scene.options.sigma), r);
-          if (choice.any() && ((!curved && !flat) || choice.best.error < t.stop)) break;
-        }
-        if (!choice.any()) continue;
-        const Chosen c2{frame, choice.best, choice.best_radius};
-        if (norm(normal_of(c2, 0, 0) - frame.n) > t.moved) continue;
-        chosen[f] = c2;
-      }
+      fits.start(cluster[0]);
+      for (const std::uint32_t f : cluster) chosen[f] = fits.choose(f);
     }
   });
   return chosen;
 }
 
-// The mean of what the fits of facets nearby say about a facet, weighted by their precision.
-void aggregate(const Scene& scene, const std::vector<Chosen>& chosen, const Tuning& t, LocalPolynomials& result) {
-  const double floor = t.floor;
-  parallel_ranges(chosen.size(), kDefaultGrain, [&](std::size_t begin, std::size_t end) {
-    std::vector<std::uint32_t> near;
-    for (std::size_t g = begin; g < end; ++g) {
-      const Vec3 own = chosen[g].radius > 0 ? normal_of(chosen[g], 0, 0) : scene.normals[g];
-      const auto around = t.wide > 0 ? scene.mesh.two_rings[g] : scene.mesh.ring[g];
-      near.assign(around.begin(), around.end());
-      near.push_back(static_cast<std::uint32_t>(g));
-      Vec3 normal, foot;
-      double sum = 0;
-      for (const std::uint32_t f : near) {
-        const Chosen& c = chosen[f];
-        if (c.radius == 0) continue;
-        const Vec3 d = scene.centroid[g] - c.frame.origin;
-        const double q = 1 - squared_norm(d) / (c.radius * c.radius);
-        if (q <= 0) continue;
-        const double x = dot(d, c.frame.u), y = dot(d, c.frame.v);
-        const Vec3 n = normal_of(c, x, y);
-        const double w = q * q / (c.fit.error * c.fit.error + floor * floor) * std::exp(-0.5 * squared_norm(n - own) / (t.alike * t.alike));
-        normal += n * w;
-        foot += foot_of(c, x, y) * w;
-        sum += w;
-      }
-      if (sum == 0) continue;
-      result.normal[g] = unit_or(normal, own);
-      result.foot[g] = foot / sum;
-      result.slope_error[g] = static_cast<float>(chosen[g].fit.error);
-      result.radius[g] = static_cast<float>(chosen[g].radius);
-    }
-  });
-}
+// The mean of what fits say about facet g.
+class Consensus {
+ public:
+  Consensus(const Scene& scene, const std::vector<Chosen>& chosen, std::size_t g)
+      : at_(scene.centroid[g]), own_(chosen[g].radius > 0 ? normal_of(chosen[g], 0, 0) : scene.normals[g]) {
+    add(chosen[g]);
+    for (const std::uint32_t f : scene.mesh.two_rings[g]) add(chosen[f]);
+  }
+  void write(Vec3& normal, Vec3& foot) const {
+    if (sum_ == 0) return;
+    normal = unit_or(normal_, own_);
+    foot = foot_ / sum_;
+  }
+
+ private:
+  void add(const Chosen& c) {
+    if (c.radius == 0) return;
+    const Vec3 d = at_ - c.frame.origin;
+    const double q = 1 - squared_norm(d) / (c.radius * c.radius);
+    if (q <= 0) return;
+    const double x = dot(d, c.frame.u), y = dot(d, c.frame.v);
+    const Vec3 n = normal_of(c, x, y);
+    const double weight = q * q / (c.fit.error * c.fit.error + kLeastError * kLeastError) * std::exp(-0.5 * squared_norm(n - own_) / (kAlike * kAlike));
+    normal_ += n * weight;
+    foot_ += foot_of(c, x, y) * weight;
+    sum_ += weight;
+  }
+
+  Vec3 at_, own_, normal_, foot_;
+  double sum_ = 0;
+};
 
 }  // namespace
 
 LocalPolynomials local_polynomials(const FacetMesh& mesh, const std::vector<Vec3>& normals, const std::vector<Vec3>& points,
-                                   const std::vector<Vec3>& noisy, const PolynomialOptions& o) {
-  const Tuning t;
-  const Scene scene(mesh, normals, points, noisy, o, t.range);
-  const std::size_t count = mesh.facets.size();
-  LocalPolynomials result{normals, scene.centroid, std::vector<float>(count, 0), std::vector<float>(count, 0)};
-  const std::vector<Chosen> chosen = choose_fits(scene, t);
-  if (t.alike > 0) {
-    aggregate(scene, chosen, t, result);
-    return result;
-  }
-  for (std::size_t f = 0; f < count; ++f)
-    if (chosen[f].radius > 0) {
-      result.normal[f] = normal_of(chosen[f], 0, 0);
-      result.foot[f] = foot_of(chosen[f], 0, 0);
-    }
+                                   const std::vector<Vec3>& noisy, const PolynomialOptions& options, Progress& progress) {
+  const Scene scene(mesh, normals, points, noisy, options);
+  const std::vector<Chosen> chosen = choose_fits(scene, progress);
+  LocalPolynomials result{normals, scene.centroid};
+  parallel_for(chosen.size(), [&](std::size_t g) { Consensus(scene, chosen, g).write(result.normal[g], result.foot[g]); });  // [T-DENOISE-5]
   return result;
 }
 

@@ -3,26 +3,28 @@
 
 #include <vector>
 
+#include "burnish/core/progress.h"
 #include "facet_mesh.h"
 
 namespace burnish::denoising {
 
 struct PolynomialOptions {
   double sigma = 0;              // of the points along the normals, model units
+  double correlation = 1;        // by how much the errors of means exceed those of independent noise
   double least_radius = 0;       // of a fit, model units
+  double range = 0.3;            // points count whose normals differ by less: standard deviation of their weight, radians
   std::vector<float> trust;      // of each point, 0 to 1: the weight that its height has in fits
 };
 
 struct LocalPolynomials {
-  std::vector<Vec3> normal;         // of the fit, above the facet's centroid
-  std::vector<Vec3> foot;           // of the fit, above the facet's centroid
-  std::vector<float> slope_error;   // standard deviation of the normal, radians
-  std::vector<float> radius;        // 0: nothing could be fitted, and normal and foot are those given
+  std::vector<Vec3> normal;         // what fits say about the facet's centroid; the normal given where there are none
+  std::vector<Vec3> foot;           // where they pass it; the centroid where there are none
 };
 
-// Per facet, planes and paraboloids in discs of growing radius are fitted by weighted least squares to `noisy` points, seen from the normals and
-// positions of a first filter; of these fits the one with the least variance is taken that agrees with all fits at finer scales (Lepski 1991). [T-DENOISE-3]
+// Around each facet, planes and paraboloids in discs of growing radius are fitted by weighted least squares to the heights of `noisy` points, seen from the
+// normals and positions (`points`) of a first filter. Of these fits the one with the least variance is taken that agrees with all finer ones. [T-DENOISE-3, 4]
+// Facets then take the mean of what the fits of their two rings say. [T-DENOISE-5]  Throws Error{interrupted}.
 LocalPolynomials local_polynomials(const FacetMesh& mesh, const std::vector<Vec3>& normals, const std::vector<Vec3>& points,
-                                   const std::vector<Vec3>& noisy, const PolynomialOptions& options);
+                                   const std::vector<Vec3>& noisy, const PolynomialOptions& options, Progress& progress);
 
 }  // namespace burnish::denoising
