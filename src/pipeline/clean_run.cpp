@@ -204,7 +204,10 @@ void CleanRun::build_and_extract() {
     begin("smoothing");
     smooth_level_set(built.level_set, plan_, report_, progress_);
   }
-  if (report_.options.moves_walls()) move_walls(built.level_set, report_.options);
+  if (report_.options.moves_walls()) {
+    begin("moving walls");
+    move_walls(built.level_set, report_.options, progress_);
+  }
   if (report_.options.adapt && (plan_.flows() || report_.options.thicken || report_.options.moves_walls())) {
     begin("coarsening");
     coarsen_level_set(built.level_set, report_, progress_);

@@ -10,6 +10,8 @@
 #include "burnish/core/union_find.h"
 #include "burnish/extract/trim.h"
 #include "burnish/levelset/adapt.h"
+#include "burnish/levelset/offset.h"
+#include "burnish/levelset/redistance.h"
 #include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/sheet_block.h"
 #include "burnish/surface/triangle_index.h"
@@ -29,13 +31,19 @@ constexpr double kZerosOnly = 1.5;        // cells: nodes this near to the surfa
 constexpr double kRampInCells = 2, kRampInLengths = 0.5;  // from a region's border to where the surface moves freely
 constexpr double kCrumb = 0.25;           // cells: a part of either sign that stays nearer to the rim than this is none
 
+// Cells of distances that moving the surface uses up.
+double cells_for_walls(const ResolvedOptions& options) {
+  return (std::abs(options.offset.value_or(0)) + options.hollow.value_or(0)) / options.cell;
+}
+
 // Smoothing and extraction look no farther than the band, so the far field is left out.
 LevelSetOptions level_set_options(const ResolvedOptions& options) {
-  LevelSetOptions set{.band = kUnsmoothedBand, .room = 0, .far_field = false};
+  const double walls = options.moves_walls() ? kLeastBand + 1 + cells_for_walls(options) : 0;
+  LevelSetOptions set{.band = std::max(kUnsmoothedBand, walls), .room = 0, .far_field = false};
   const double smooth_cells = options.smooth / options.cell;
   if (smooth_cells <= 0) {
     // A shell's level set is coarsened afterwards, as is what has been smoothed.
-    if (options.adapt && !options.thicken) {
+    if (options.adapt && !options.thicken && !options.moves_walls()) {
       set.adaptivity.tolerance = *options.adapt / options.cell;
       set.adaptivity.limits.coarsest_level = options.coarsest_level;
     }
@@ -44,7 +52,7 @@ LevelSetOptions level_set_options(const ResolvedOptions& options) {
   set.room = room_for_smoothing(flow_mode(options.mode), smooth_cells);
   // A bound on the deviation is held against exact distances.
   const double bound = options.deviation ? *options.deviation / options.cell : 0;
-  set.band = std::max(kFlowBand, std::min(bound, set.room) + 1);
+  set.band = std::max({kFlowBand, std::min(bound, set.room) + 1, walls});
   return set;
 }
 
@@ -239,10 +247,11 @@ void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairRepo
   warn_of_smoothing(done, report);
 }
 
-void move_walls(LevelSet& level_set, const ResolvedOptions& options) {
-  static_cast<void>(level_set);
-  static_cast<void>(options);
-  throw Error(ErrorCode::bug, "not built yet");
+void move_walls(LevelSet& level_set, const ResolvedOptions& options, Progress& progress) {
+  // Smoothing has kept less of a band than that.
+  if (options.smooth > 0) redistance(level_set, {.reach = level_set.band}, progress);
+  if (options.offset) offset(level_set, *options.offset / options.cell);
+  if (options.hollow) hollow(level_set, *options.hollow / options.cell);
 }
 
 std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {

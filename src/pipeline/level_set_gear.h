@@ -38,7 +38,7 @@ void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& prog
 void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairReport& report, Progress& progress);
 
 // Moves the surface by report.options.offset, then leaves a wall of report.options.hollow of what it bounds.
-void move_walls(LevelSet& level_set, const ResolvedOptions& options);
+void move_walls(LevelSet& level_set, const ResolvedOptions& options, Progress& progress);
 
 // Leaves out debris: small pieces of the extracted surface (lattice coordinates) that stand for no component of the
 // input. Returns how many. A component of the input keeps its piece, however small. [T-DEBRIS-1]

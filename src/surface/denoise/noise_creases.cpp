@@ -16,9 +16,6 @@ constexpr double kCreaseAngle = std::numbers::pi / 6;
 constexpr double kSpread = 0.35, kSpreadOfNoise = 2.25;
 constexpr int kFirstPasses = 5, kLastPasses = 10, kCleanPasses = 2;
 constexpr double kAngleLeft = 0.21;  // what the filter leaves of the noise, times the tilt: half of the hinges have less than half of it
-constexpr double kSpread = 0.35, kSpreadOfNoise = 3;
-constexpr int kFirstPasses = 5, kLastPasses = 10, kCleanPasses = 2;
-constexpr double kAngleLeft = 0.21;  // what the filter leaves of the noise, times sigma / mean edge: half of the hinges have less than half of it
 
 using Across = std::vector<std::array<std::uint32_t, 3>>;
 
@@ -117,7 +114,6 @@ void set_creases(const TriangleSoup& soup, const EdgeTable& edges, NoiseEstimate
   Normals normals = normals_of(soup);
   const Across across = facets_across(soup, edges);
   const double strength = tilt_of_noise(soup, normals, estimate.sigma);
-  const double strength = estimate.mean_edge > 0 ? estimate.sigma / estimate.mean_edge : 0;
   if (strength > 0) filter_normals(across, std::max(kSpread, kSpreadOfNoise * strength), kFirstPasses, normals);
   filter_normals(across, kSpread, strength > 0 ? kLastPasses : kCleanPasses, normals);
   const Bending bending = bending_of(soup, edges, normals, estimate.sigma, kAngleLeft * strength);
