@@ -43,7 +43,7 @@ TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool 
   report.smoothing.max_moved = 0;
   DenoiseResult done;
   done.soup = plan.clamps_outliers ? without_outliers(soup, report) : soup;
-  if (plan.denoises()) {
+  if (plan.denoises() && (plan.length > 0 || report.smoothing.noise.noisy())) {
     done = denoise(done.soup, denoise_options(plan, soup, report), progress);
     report.smoothing.rms_moved = done.rms_moved;
     report.smoothing.max_moved = std::max(report.smoothing.max_moved, done.max_moved);
