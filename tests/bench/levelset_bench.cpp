@@ -1,4 +1,6 @@
 // The knot with 256 cells along its longest side.
+#include <functional>
+
 #include "burnish/extract/marching_tetrahedra.h"
 #include "burnish/levelset/crossings.h"
 #include "burnish/levelset/distance.h"
@@ -6,6 +8,7 @@
 #include "burnish/levelset/redistance.h"
 #include "burnish/levelset/sign.h"
 #include "burnish/levelset/smooth/mean_curvature_flow.h"
+#include "burnish/levelset/smooth/smoothing.h"
 #include "models.h"
 
 namespace burnish::bench {
@@ -106,6 +109,39 @@ void flow_of_unit_time(benchmark::State& state) {
   count_nodes(state, set.grid);
 }
 BENCHMARK(flow_of_unit_time)->Apply(in_cpu_time);
+
+// A length of 20 cells: explicit steps, and those of `smooth`.
+constexpr double kLength = 20;
+
+void smooth_knot(benchmark::State& state, const std::function<void(LevelSet&)>& how) {
+  static const LevelSet start =
+      level_set_from_triangles(knot(), knot_frame(), {.band = kFlowBand, .room = room_for_smoothing(FlowMode::mcf, kLength), .far_field = false}).level_set;
+  LevelSet set = start;
+  for (auto _ : state) {
+    set.phi = start.phi;
+    how(set);
+  }
+  count_nodes(state, set.grid);
+}
+void smooth_explicitly(benchmark::State& state) {
+  smooth_knot(state, [](LevelSet& set) { mean_curvature_flow(set, flow_time_for(FlowMode::mcf, kLength)); });
+}
+BENCHMARK(smooth_explicitly)->Apply(in_cpu_time);
+void smooth_by(benchmark::State& state, FlowMode mode, bool keep_volume) {
+  SmoothingOptions options;
+  options.mode = mode;
+  options.length = kLength;
+  options.keep_volume = keep_volume;
+  smooth_knot(state, [&](LevelSet& set) { smooth(set, options); });
+}
+void smooth_mcf(benchmark::State& state) { smooth_by(state, FlowMode::mcf, false); }
+BENCHMARK(smooth_mcf)->Apply(in_cpu_time);
+void smooth_mcf_volume_kept(benchmark::State& state) { smooth_by(state, FlowMode::mcf, true); }
+BENCHMARK(smooth_mcf_volume_kept)->Apply(in_cpu_time);
+void smooth_volume(benchmark::State& state) { smooth_by(state, FlowMode::volume, true); }
+BENCHMARK(smooth_volume)->Apply(in_cpu_time);
+void smooth_filtered(benchmark::State& state) { smooth_by(state, FlowMode::filtered, true); }
+BENCHMARK(smooth_filtered)->Apply(in_cpu_time);
 
 void extract(benchmark::State& state) {
   std::size_t facets = 0;

@@ -49,8 +49,8 @@ struct DistancePairs {
     const Floats c = load_floats(center), most = Floats{} + limit, none{};
     const Floats a = load_floats(center + stride), a2 = load_floats(center + 2 * stride);
     const Floats b = load_floats(center - stride), b2 = load_floats(center - 2 * stride);
-    const Floats up = (size_of(a) < most) & (size_of(a2) < most) ? (c - a) + (a2 - a) : none;
-    return (size_of(b) < most) & (size_of(b2) < most) ? (c - b) + (b2 - b) : up;
+    const Floats up = ((size_of(a) < most) & (size_of(a2) < most)) ? (c - a) + (a2 - a) : none;
+    return ((size_of(b) < most) & (size_of(b2) < most)) ? (c - b) + (b2 - b) : up;
   }
 };
 

@@ -17,7 +17,7 @@ namespace {
 
 using namespace detail;
 
-constexpr float kLargestCorrection = 0.25f;  // of a step's displacement
+constexpr float kLargestCorrection = 0.15f;  // of a step's displacement
 constexpr float kStraight = 16;               // 1 / cell^2: more than the sum of squared curvatures that a lattice can show
 constexpr float kFarthestMove = 3;            // cells a step
 constexpr float kGateWidth = 0.5f;            // of 1 / radius, over which the gate opens
@@ -118,7 +118,9 @@ class Smoothing {
   void correct(SurfaceDiffusion& diffusion, double time) {
     const float half = static_cast<float>(0.5 * time);
     diffusion.change_by_bends(set_, [half](float w, float, float, float square) {
-      return square < kStraight ? w * (1 + std::min(kLargestCorrection, half * square)) : w;
+      if (!(square < kStraight)) return w;
+      const float share = half * square, beyond = share * share / (kLargestCorrection * kLargestCorrection);
+      return w * (1 + share / (1 + beyond * beyond));
     });
   }
 
