@@ -45,8 +45,8 @@ struct DenoiseResult {
   double max_moved = 0;          // of the points, in any direction
 };
 
-// Denoises a welded, oriented soup. It need not be closed nor a manifold: facets are neighbours across edges with two opposite uses, and points of all
-// other edges move along the surface's normal only, so that rims do not shrink.
+// Denoises a welded, oriented soup. It need not be closed nor a manifold: facets are neighbours across edges with two opposite uses, and as points
+// move along the normals of their facets only, rims do not shrink.
 //
 // * A surface without noise (sigma is 0) comes back bit for bit, unless a length is asked for.
 // * A closed surface keeps its signed volume to 1e-9, unless deviation or mobility hold points back.
