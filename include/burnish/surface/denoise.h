@@ -24,16 +24,16 @@ namespace burnish {
 struct DenoiseOptions {
   // Standard deviation of the noise along the normals; 0: there is none. Unset: estimate_noise says whether there is any, and how far the first
   // filter moves points says how much.
-  std::optional<double> sigma;
+  std::optional<double> sigma{};
   // Waves of the surface of this length vanish, and of shorter ones less than 3 % are left [T-DENOISE-4]; up to 15 mean edges. Unset: each place gets
   // the scale that its noise needs.
-  std::optional<double> length;
+  std::optional<double> length{};
   // Creases with a larger angle between their two sides stay sharp, in degrees. Unset: 43. Smaller angles keep more, of the noise as well.
-  std::optional<double> crease_angle;
+  std::optional<double> crease_angle{};
   // No point moves farther than this.
-  std::optional<double> deviation;
+  std::optional<double> deviation{};
   // One per point: 0 keeps the point where it is, bit for bit, 1 lets it move freely, between them it moves as much less. Empty: 1 everywhere.
-  std::vector<float> mobility;
+  std::vector<float> mobility{};
 };
 
 struct DenoiseResult {
@@ -45,8 +45,8 @@ struct DenoiseResult {
   double max_moved = 0;          // of the points, in any direction
 };
 
-// Denoises a welded, oriented soup. It need not be closed nor a manifold: facets are neighbours across edges with two opposite uses, and points of all
-// other edges move along the surface's normal only, so that rims do not shrink.
+// Denoises a welded, oriented soup. It need not be closed nor a manifold: facets are neighbours across edges with two opposite uses, and as points
+// move along the normals of their facets only, rims do not shrink.
 //
 // * A surface without noise (sigma is 0) comes back bit for bit, unless a length is asked for.
 // * A closed surface keeps its signed volume to 1e-9, unless deviation or mobility hold points back.

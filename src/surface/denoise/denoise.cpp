@@ -17,13 +17,13 @@ namespace {
 using namespace denoising;
 
 constexpr double kGuideRange = 0.53;           // radians
-constexpr double kFitRange = 0.3;              // radians; sides of a crease that differ by sqrt(6) times this, 43 degrees, are kept apart altogether
+constexpr double kFitRange = 0.3;          // radians; sides of a crease that differ by sqrt(6) times this, 43 degrees, are kept apart altogether
 constexpr double kFiltersPerNoise = 20;        // passes of the first filter, times noise over edge
 constexpr int kMostFilters = 50;
 constexpr double kOutlier = 2.5;               // standard deviations at which a point has a quarter of its weight
 constexpr double kZeroOfWaves = 1.2077;        // radii of a disc over the length of the waves that it does not see, j(4,1) / 2 pi  [T-DENOISE-4]
 constexpr PointUpdate kFilterUpdate{10};
-constexpr double kAnchor = 0.002, kPull = 0.03, kStrongPull = 0.3;
+constexpr double kAnchor = 0.002, kPull = 0.025, kStrongPull = 0.3;
 constexpr int kLastUpdates = 25;
 constexpr double kLongestShift = 0.5;          // mean edges
 

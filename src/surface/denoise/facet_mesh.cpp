@@ -51,7 +51,7 @@ Rows facets_around_points(const TriangleSoup& soup) {
 
 FacetMesh::FacetMesh(const TriangleSoup& welded)
     : facets(welded.facets), across(welded.facets.size(), {kNoFacet, kNoFacet, kNoFacet}), facets_of_point(facets_around_points(welded)),
-      on_rim(welded.points.size(), 0), closed(!welded.facets.empty()) {
+      closed(!welded.facets.empty()) {
   const EdgeTable edges(welded);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto uses = edges.uses(e);
@@ -59,7 +59,6 @@ FacetMesh::FacetMesh(const TriangleSoup& welded)
       across[uses[0].facet][uses[0].side] = uses[1].facet;
       across[uses[1].facet][uses[1].side] = uses[0].facet;
     } else {
-      for (const std::uint32_t p : edges.edge(e)) on_rim[p] = 1;
       closed = false;
     }
   }
@@ -114,7 +113,7 @@ Vec3 unit_or(const Vec3& v, const Vec3& otherwise) {
 }
 
 std::vector<Vec3> point_normals(const FacetMesh& mesh, const std::vector<Vec3>& facet_normals, const std::vector<double>& area) {
-  std::vector<Vec3> normals(mesh.on_rim.size());
+  std::vector<Vec3> normals(mesh.facets_of_point.size());
   parallel_for(normals.size(), [&](std::size_t p) {
     Vec3 sum;
     for (const std::uint32_t f : mesh.facets_of_point[p]) sum += facet_normals[f] * area[f];

@@ -16,6 +16,7 @@ struct Rows {
   std::vector<std::uint32_t> entries;
 
   std::span<const std::uint32_t> operator[](std::size_t i) const { return {entries.data() + first[i], first[i + 1] - first[i]}; }
+  std::size_t size() const { return first.size() - 1; }
 };
 
 inline constexpr std::size_t kMostAround = 24;
@@ -30,7 +31,6 @@ struct FacetMesh {
   Rows ring;                                         // of each facet: others that share a point with it; around points with more than
                                                      // kMostAround facets only those across its edges
   Rows two_rings;                                    // of each facet: its ring, and the rings of those
-  std::vector<std::uint8_t> on_rim;                  // of each point: 1 on an edge that does not have two opposite uses
   bool closed = false;                               // all edges have two opposite uses
 };
 

@@ -17,15 +17,9 @@ void update_points(const FacetMesh& mesh, const std::vector<Vec3>& normals, cons
                    const PointUpdate& how, std::vector<Vec3>& points) {
   std::vector<Vec3> next(points.size()), middle(mesh.facets.size());
   const auto step_of = [&](std::size_t p) {
-    Vec3 sum, along;
-    for (const std::uint32_t f : mesh.facets_of_point[p]) {
-      sum += normals[f] * dot(normals[f], middle[f] - points[p]);
-      along += normals[f];
-    }
-    const Vec3 step = sum / static_cast<double>(mesh.facets_of_point[p].size()) + (home[p] - points[p]) * how.anchor;
-    if (mesh.on_rim[p] == 0) return step;
-    const Vec3 n = unit_or(along, {});
-    return n * dot(n, step);
+    Vec3 sum;
+    for (const std::uint32_t f : mesh.facets_of_point[p]) sum += normals[f] * dot(normals[f], middle[f] - points[p]);
+    return sum / static_cast<double>(mesh.facets_of_point[p].size()) + (home[p] - points[p]) * how.anchor;
   };
   for (int i = 0; i < how.iterations; ++i) {
     parallel_for(mesh.facets.size(), [&](std::size_t f) {
