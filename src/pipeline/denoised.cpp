@@ -21,7 +21,6 @@ constexpr double kVolumeOfFolds = 0.02;  // of the volume: what mending folds ma
 
 DenoiseOptions denoise_options(const SmoothingPlan& plan, const TriangleSoup& soup, const RepairReport& report) {
   DenoiseOptions options;
-  options.sigma = report.smoothing.noise.sigma;
   if (plan.length > 0) options.length = plan.length;
   options.crease_angle = report.options.crease_angle;
   options.deviation = report.options.deviation;

@@ -46,7 +46,8 @@ SmoothingPlan plan_smoothing(const CleanOptions& asked, const PreparedInput& pre
   if (!asked.smooths()) return plan;
   const NoiseEstimate noise = estimate_noise(prepared.oriented);
   report.smoothing.noise = noise;
-  plan.clamps_outliers = asked.smooth_auto && !find_outliers(prepared.oriented, noise).empty();
+  // The denoiser gives outliers within noise little weight itself.
+  plan.clamps_outliers = asked.smooth_auto && !noise.noisy() && !find_outliers(prepared.oriented, noise).empty();
   if (asked.smooth_auto && !noise.noisy() && !plan.clamps_outliers) {
     report.smoothing.mode_reason = "there is no noise to remove";
     return plan;
