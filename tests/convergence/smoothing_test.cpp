@@ -113,7 +113,7 @@ TEST(Smooth, AgreesWithExplicitSteps) {
 
 TEST(Smooth, SpheresKeepTheirRadiusWithoutTheirVolumeBeingKept) {
   for (const FlowMode mode : {FlowMode::volume, FlowMode::filtered})
-    for (const double radius : {10.0, 20.0}) {
+    for (const double radius : {12.8, 20.0}) {
       Ball<float> ball = ball_for(mode, radius, 16);
       const double before = mean_radius(ball.set, ball.center);
       smooth(ball.set, options_for(mode, 16));
