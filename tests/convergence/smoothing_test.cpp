@@ -113,11 +113,11 @@ TEST(Smooth, AgreesWithExplicitSteps) {
 
 TEST(Smooth, SpheresKeepTheirRadiusWithoutTheirVolumeBeingKept) {
   for (const FlowMode mode : {FlowMode::volume, FlowMode::filtered})
-    for (const double radius : {20.0, 40.0}) {
+    for (const double radius : {12.8, 20.0}) {
       Ball<float> ball = ball_for(mode, radius, 16);
       const double before = mean_radius(ball.set, ball.center);
       smooth(ball.set, options_for(mode, 16));
-      EXPECT_NEAR(mean_radius(ball.set, ball.center) / before, 1, 1e-3) << name(mode) << ", radius " << radius;
+      EXPECT_NEAR(mean_radius(ball.set, ball.center) / before, 1, radius < 20 ? 1e-3 : 1e-4) << name(mode) << ", radius " << radius;
     }
 }
 
