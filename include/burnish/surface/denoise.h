@@ -1,11 +1,11 @@
 // Denoising of a surface by its normals: facets keep their points, points move, creases stay sharp.
 //
 // 1. *First filter.* Guided normal filtering (Zhang et al. 2015) and point updates (Sun et al. 2007) in turns, the more of them the stronger the noise: it
-//    finds the creases. [T-DENOISE-1, 2]
+//    finds the creases. [T-DENOISE-1] [T-DENOISE-2]
 // 2. *Local polynomials.* Around each facet, planes and paraboloids are fitted to the noisy points on its side of the creases, in discs of 1.6 to 12 edges; of
-//    the fits that agree with all finer ones the one with the least variance is taken (Lepski 1991). [T-DENOISE-3, 4]
+//    the fits that agree with all finer ones the one with the least variance is taken (Lepski 1991). [T-DENOISE-3] [T-DENOISE-4]
 // 3. *Aggregation.* Each facet's normal and height are the mean of what the fits nearby say. [T-DENOISE-5]
-// 4. *Points* move until facets have these normals and heights, and the volume is made the input's. [T-DENOISE-6, 7]
+// 4. *Points* move until facets have these normals and heights, and the volume is made the input's. [T-DENOISE-6] [T-DENOISE-7]
 //
 // Accuracy, for white noise of 0.3 mean edges on 40,000 facets of a sphere: normals are off by half a degree (28 degrees before), points by 0.03 edges.
 #pragma once

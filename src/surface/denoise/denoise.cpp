@@ -87,15 +87,17 @@ class Run {
  private:
   static constexpr double kCreaseAngleRanges = 2.449489742783178;  // sqrt(6)
 
-  // Until the passes are as many as the noise found so far asks for. [T-DENOISE-2]
+  // Until the passes are as many as the noise found so far asks for; of noise that is known, no more than there is. [T-DENOISE-2]
   void filter() {
+    const double known = options_.sigma.value_or(0);
     for (int i = 1; i <= kMostFilters; ++i) {
       progress_.check();
       normals_ = guided_normals(mesh_, geometry_, range_ * kGuideRange);
       update_points(mesh_, normals_, home_, options_.mobility, kFilterUpdate, points_);
       geometry_.update(mesh_, points_);
       moved_ = moved(mesh_, geometry_, points_, home_);
-      if (i >= kFiltersPerNoise * moved_.rms / mean_edge(mesh_, points_) * error_of_means(moved_.correlation)) return;
+      const double noise = known > 0 ? std::min(known, moved_.rms) : moved_.rms;
+      if (i >= kFiltersPerNoise * noise / mean_edge(mesh_, points_) * error_of_means(moved_.correlation)) return;
     }
   }
 

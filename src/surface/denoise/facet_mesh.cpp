@@ -4,6 +4,7 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/winding.h"
 
 namespace burnish::denoising {
 namespace {
@@ -51,15 +52,13 @@ Rows facets_around_points(const TriangleSoup& soup) {
 
 FacetMesh::FacetMesh(const TriangleSoup& welded)
     : facets(welded.facets), across(welded.facets.size(), {kNoFacet, kNoFacet, kNoFacet}), facets_of_point(facets_around_points(welded)),
-      closed(!welded.facets.empty()) {
+      closed(is_closed_chain(welded)) {
   const EdgeTable edges(welded);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto uses = edges.uses(e);
     if (uses.size() == 2 && uses[0].forward != uses[1].forward) {
       across[uses[0].facet][uses[0].side] = uses[1].facet;
       across[uses[1].facet][uses[1].side] = uses[0].facet;
-    } else {
-      closed = false;
     }
   }
   ring = rows_of(facets.size(), [&](std::size_t f, std::vector<std::uint32_t>& row) {
