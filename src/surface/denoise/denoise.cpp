@@ -79,9 +79,9 @@ class Run {
     filter();
     const double sigma = options_.sigma.value_or(0) > 0 ? *options_.sigma : moved_.rms;
     result_.sigma = sigma;
-    if (!(sigma > 0)) return;
-    fit(sigma);
+    if (sigma > 0) fit(sigma);
     keep_bounds();
+    summarise();
   }
 
  private:
@@ -131,6 +131,12 @@ class Run {
     });
   }
 
+  void summarise() {
+    geometry_.update(mesh_, points_);
+    result_.rms_moved = moved(mesh_, geometry_, points_, home_).rms;
+    for (std::size_t p = 0; p < points_.size(); ++p) result_.max_moved = std::max(result_.max_moved, norm(points_[p] - home_[p]));
+  }
+
   const DenoiseOptions& options_;
   Progress& progress_;
   DenoiseResult& result_;
@@ -143,14 +149,6 @@ class Run {
   Moved moved_;
 };
 
-// What the points have moved in the end.
-void summarise(const TriangleSoup& before, DenoiseResult& result) {
-  const FacetMesh mesh(before);
-  const FacetGeometry geometry(mesh, result.soup.points);
-  result.rms_moved = moved(mesh, geometry, result.soup.points, before.points).rms;
-  for (std::size_t p = 0; p < before.points.size(); ++p) result.max_moved = std::max(result.max_moved, norm(result.soup.points[p] - before.points[p]));
-}
-
 }  // namespace
 
 DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& options, Progress& progress) {
@@ -162,7 +160,6 @@ DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& option
   const double sigma = options.sigma.value_or(result.noise.sigma);
   if (oriented.facets.empty() || (!(sigma > 0) && !options.length)) return result;
   Run(oriented, options, progress, result)();
-  summarise(oriented, result);
   return result;
 }
 

@@ -9,28 +9,27 @@
 namespace burnish::denoising {
 namespace {
 
-// Rows that `fill(i, row)` appends to, sorted and without repetition. Called twice: to count and to store.
+// Rows that `fill(i, row)` appends to, sorted and without repetition.
 template <class Fill>
 Rows rows_of(std::size_t count, Fill&& fill) {
   Rows rows;
   rows.first.assign(count + 1, 0);
-  const auto for_each_row = [&](auto&& visit) {
-    parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::uint32_t> row;
-      for (std::size_t i = begin; i < end; ++i) {
-        row.clear();
-        fill(i, row);
-        std::sort(row.begin(), row.end());
-        row.erase(std::unique(row.begin(), row.end()), row.end());
-        visit(i, row);
-      }
-    });
-  };
-  for_each_row([&](std::size_t i, const std::vector<std::uint32_t>& row) { rows.first[i] = row.size(); });
-  rows.entries.resize(exclusive_scan_in_place(rows.first));
-  for_each_row([&](std::size_t i, const std::vector<std::uint32_t>& row) {
-    std::copy(row.begin(), row.end(), rows.entries.begin() + static_cast<std::ptrdiff_t>(rows.first[i]));
+  std::vector<std::vector<std::uint32_t>> parts((count + kDefaultGrain - 1) / kDefaultGrain);
+  parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> row, &part = parts[begin / kDefaultGrain];
+    for (std::size_t i = begin; i < end; ++i) {
+      row.clear();
+      fill(i, row);
+      std::sort(row.begin(), row.end());
+      row.erase(std::unique(row.begin(), row.end()), row.end());
+      rows.first[i] = row.size();
+      part.insert(part.end(), row.begin(), row.end());
+    }
   });
+  rows.entries.resize(exclusive_scan_in_place(rows.first));
+  parallel_for(parts.size(), [&](std::size_t c) {
+    std::copy(parts[c].begin(), parts[c].end(), rows.entries.begin() + static_cast<std::ptrdiff_t>(rows.first[c * kDefaultGrain]));
+  }, 1);
   return rows;
 }
 
