@@ -23,7 +23,8 @@ namespace burnish {
 // Lengths are in model units, and scale with the points.
 struct DenoiseOptions {
   // Standard deviation of the noise along the normals; 0: there is none. Unset: estimate_noise says whether there is any, and how far the first
-  // filter moves points says how much.
+  // filter moves points says how much. That counts what is correlated over an edge or two as noise: right for many scanners, wrong for a coarse surface whose
+  // details are an edge wide, for which sigma should be given.
   std::optional<double> sigma{};
   // Waves of the surface of this length vanish, and of shorter ones less than 3 % are left [T-DENOISE-4]; up to 15 mean edges. Unset: each place gets
   // the scale that its noise needs.
@@ -53,7 +54,7 @@ struct DenoiseResult {
 // * Facets may come to fold or intersect, far fewer than in the input: `inspect` the result.
 // * The same bits for any number of threads; scaled by a power of two, the same bits scaled.
 //
-// Linear in the number of facets: about 400 bytes a facet.
+// Linear in the number of facets: about 600 bytes and 35 to 45 us of CPU time each; 1 to 3 us where there is no noise.
 // Throws Error{interrupted}.
 DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& options = {}, Progress& progress = no_progress());
 
