@@ -72,8 +72,8 @@ TEST_P(DenoiseProperty, RigidMotionsCommute) {
     sum += off * off;
     equal += off < 1e-3 * edge;
   }
-  EXPECT_LT(std::sqrt(sum / static_cast<double>(a.points.size())), 0.03 * edge);
-  EXPECT_GT(equal, a.points.size() * 9 / 10);
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(a.points.size())), 1e-3 * edge);
+  EXPECT_GT(equal, a.points.size() * 99 / 100);
 }
 
 INSTANTIATE_TEST_SUITE_P(Seeds, DenoiseProperty, testing::Range(1u, 9u));

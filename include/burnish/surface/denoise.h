@@ -1,11 +1,11 @@
 // Denoising of a surface by its normals: facets keep their points, points move, creases stay sharp.
 //
 // 1. *First filter.* Guided normal filtering (Zhang et al. 2015) and point updates (Sun et al. 2007) in turns, the more of them the stronger the noise: it
-//    finds the creases. [T-DENOISE-1, 2]
+//    finds the creases. [T-DENOISE-1] [T-DENOISE-2]
 // 2. *Local polynomials.* Around each facet, planes and paraboloids are fitted to the noisy points on its side of the creases, in discs of 1.6 to 12 edges; of
-//    the fits that agree with all finer ones the one with the least variance is taken (Lepski 1991). [T-DENOISE-3, 4]
+//    the fits that agree with all finer ones the one with the least variance is taken (Lepski 1991). [T-DENOISE-3] [T-DENOISE-4]
 // 3. *Aggregation.* Each facet's normal and height are the mean of what the fits nearby say. [T-DENOISE-5]
-// 4. *Points* move until facets have these normals and heights, and the volume is made the input's. [T-DENOISE-6, 7]
+// 4. *Points* move until facets have these normals and heights, and the volume is made the input's. [T-DENOISE-6] [T-DENOISE-7]
 //
 // Accuracy, for white noise of 0.3 mean edges on 40,000 facets of a sphere: normals are off by half a degree (28 degrees before), points by 0.03 edges.
 #pragma once
@@ -23,7 +23,8 @@ namespace burnish {
 // Lengths are in model units, and scale with the points.
 struct DenoiseOptions {
   // Standard deviation of the noise along the normals; 0: there is none. Unset: estimate_noise says whether there is any, and how far the first
-  // filter moves points says how much.
+  // filter moves points says how much. That counts what is correlated over an edge or two as noise: right for many scanners, wrong for a coarse surface whose
+  // details are an edge wide, for which sigma should be given.
   std::optional<double> sigma{};
   // Waves of the surface of this length vanish, and of shorter ones less than 3 % are left [T-DENOISE-4]; up to 15 mean edges. Unset: each place gets
   // the scale that its noise needs.
@@ -53,7 +54,7 @@ struct DenoiseResult {
 // * Facets may come to fold or intersect, far fewer than in the input: `inspect` the result.
 // * The same bits for any number of threads; scaled by a power of two, the same bits scaled.
 //
-// Linear in the number of facets: about 400 bytes a facet.
+// Linear in the number of facets: about 600 bytes and 35 to 45 us of CPU time each; 1 to 3 us where there is no noise.
 // Throws Error{interrupted}.
 DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& options = {}, Progress& progress = no_progress());
 

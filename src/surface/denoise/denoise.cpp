@@ -79,23 +79,25 @@ class Run {
     filter();
     const double sigma = options_.sigma.value_or(0) > 0 ? *options_.sigma : moved_.rms;
     result_.sigma = sigma;
-    if (!(sigma > 0)) return;
-    fit(sigma);
+    if (sigma > 0) fit(sigma);
     keep_bounds();
+    summarise();
   }
 
  private:
   static constexpr double kCreaseAngleRanges = 2.449489742783178;  // sqrt(6)
 
-  // Until the passes are as many as the noise found so far asks for. [T-DENOISE-2]
+  // Until the passes are as many as the noise found so far asks for; of noise that is known, no more than there is. [T-DENOISE-2]
   void filter() {
+    const double known = options_.sigma.value_or(0);
     for (int i = 1; i <= kMostFilters; ++i) {
       progress_.check();
       normals_ = guided_normals(mesh_, geometry_, range_ * kGuideRange);
       update_points(mesh_, normals_, home_, options_.mobility, kFilterUpdate, points_);
       geometry_.update(mesh_, points_);
       moved_ = moved(mesh_, geometry_, points_, home_);
-      if (i >= kFiltersPerNoise * moved_.rms / mean_edge(mesh_, points_) * error_of_means(moved_.correlation)) return;
+      const double noise = known > 0 ? std::min(known, moved_.rms) : moved_.rms;
+      if (i >= kFiltersPerNoise * noise / mean_edge(mesh_, points_) * error_of_means(moved_.correlation)) return;
     }
   }
 
@@ -129,6 +131,12 @@ class Run {
     });
   }
 
+  void summarise() {
+    geometry_.update(mesh_, points_);
+    result_.rms_moved = moved(mesh_, geometry_, points_, home_).rms;
+    for (std::size_t p = 0; p < points_.size(); ++p) result_.max_moved = std::max(result_.max_moved, norm(points_[p] - home_[p]));
+  }
+
   const DenoiseOptions& options_;
   Progress& progress_;
   DenoiseResult& result_;
@@ -141,14 +149,6 @@ class Run {
   Moved moved_;
 };
 
-// What the points have moved in the end.
-void summarise(const TriangleSoup& before, DenoiseResult& result) {
-  const FacetMesh mesh(before);
-  const FacetGeometry geometry(mesh, result.soup.points);
-  result.rms_moved = moved(mesh, geometry, result.soup.points, before.points).rms;
-  for (std::size_t p = 0; p < before.points.size(); ++p) result.max_moved = std::max(result.max_moved, norm(result.soup.points[p] - before.points[p]));
-}
-
 }  // namespace
 
 DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& options, Progress& progress) {
@@ -160,7 +160,6 @@ DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& option
   const double sigma = options.sigma.value_or(result.noise.sigma);
   if (oriented.facets.empty() || (!(sigma > 0) && !options.length)) return result;
   Run(oriented, options, progress, result)();
-  summarise(oriented, result);
   return result;
 }
 

@@ -7,7 +7,7 @@
 
 namespace burnish::denoising {
 
-// Points above a plane, nearest shell first.
+// Points above a plane.
 struct HeightSamples {
   std::vector<double> x, y, z;        // in the frame of the plane
   std::vector<double> squared_distance;

@@ -4,32 +4,32 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/winding.h"
 
 namespace burnish::denoising {
 namespace {
 
-// Rows that `fill(i, row)` appends to, sorted and without repetition. Called twice: to count and to store.
+// Rows that `fill(i, row)` appends to, sorted and without repetition.
 template <class Fill>
 Rows rows_of(std::size_t count, Fill&& fill) {
   Rows rows;
   rows.first.assign(count + 1, 0);
-  const auto for_each_row = [&](auto&& visit) {
-    parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
-      std::vector<std::uint32_t> row;
-      for (std::size_t i = begin; i < end; ++i) {
-        row.clear();
-        fill(i, row);
-        std::sort(row.begin(), row.end());
-        row.erase(std::unique(row.begin(), row.end()), row.end());
-        visit(i, row);
-      }
-    });
-  };
-  for_each_row([&](std::size_t i, const std::vector<std::uint32_t>& row) { rows.first[i] = row.size(); });
-  rows.entries.resize(exclusive_scan_in_place(rows.first));
-  for_each_row([&](std::size_t i, const std::vector<std::uint32_t>& row) {
-    std::copy(row.begin(), row.end(), rows.entries.begin() + static_cast<std::ptrdiff_t>(rows.first[i]));
+  std::vector<std::vector<std::uint32_t>> parts((count + kDefaultGrain - 1) / kDefaultGrain);
+  parallel_ranges(count, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
+    std::vector<std::uint32_t> row, &part = parts[begin / kDefaultGrain];
+    for (std::size_t i = begin; i < end; ++i) {
+      row.clear();
+      fill(i, row);
+      std::sort(row.begin(), row.end());
+      row.erase(std::unique(row.begin(), row.end()), row.end());
+      rows.first[i] = row.size();
+      part.insert(part.end(), row.begin(), row.end());
+    }
   });
+  rows.entries.resize(exclusive_scan_in_place(rows.first));
+  parallel_for(parts.size(), [&](std::size_t c) {
+    std::copy(parts[c].begin(), parts[c].end(), rows.entries.begin() + static_cast<std::ptrdiff_t>(rows.first[c * kDefaultGrain]));
+  }, 1);
   return rows;
 }
 
@@ -51,15 +51,13 @@ Rows facets_around_points(const TriangleSoup& soup) {
 
 FacetMesh::FacetMesh(const TriangleSoup& welded)
     : facets(welded.facets), across(welded.facets.size(), {kNoFacet, kNoFacet, kNoFacet}), facets_of_point(facets_around_points(welded)),
-      closed(!welded.facets.empty()) {
+      closed(is_closed_chain(welded)) {
   const EdgeTable edges(welded);
   for (std::size_t e = 0; e < edges.size(); ++e) {
     const auto uses = edges.uses(e);
     if (uses.size() == 2 && uses[0].forward != uses[1].forward) {
       across[uses[0].facet][uses[0].side] = uses[1].facet;
       across[uses[1].facet][uses[1].side] = uses[0].facet;
-    } else {
-      closed = false;
     }
   }
   ring = rows_of(facets.size(), [&](std::size_t f, std::vector<std::uint32_t>& row) {

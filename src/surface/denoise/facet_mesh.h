@@ -31,7 +31,7 @@ struct FacetMesh {
   Rows ring;                                         // of each facet: others that share a point with it; around points with more than
                                                      // kMostAround facets only those across its edges
   Rows two_rings;                                    // of each facet: its ring, and the rings of those
-  bool closed = false;                               // all edges have two opposite uses
+  bool closed = false;                               // directed edges cancel: there is a volume
 };
 
 // Facets at some position of the points. A facet without area has normal 0.

@@ -15,7 +15,7 @@ struct PointUpdate {
 };
 
 // Sun et al. 2007: each point moves by the mean over its facets of the way to the plane through the facet's centroid with the facet's target
-// normal; with `feet`, the plane is that much closer to the foot. Steps are sums of facets' normals, so that rims stay. `mobility` scales steps, and 0 leaves a point's bits alone; empty: 1 everywhere. [T-DENOISE-2, 6]
+// normal; with `feet`, the plane is that much closer to the foot. Steps are sums of facets' normals, so that rims stay. `mobility` scales steps, and 0 leaves a point's bits alone; empty: 1 everywhere. [T-DENOISE-2] [T-DENOISE-6]
 void update_points(const FacetMesh& mesh, const std::vector<Vec3>& normals, const std::vector<Vec3>& home, const std::vector<float>& mobility,
                    const PointUpdate& how, std::vector<Vec3>& points);
 

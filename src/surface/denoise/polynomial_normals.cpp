@@ -52,10 +52,11 @@ struct Frame {
   Vec3 origin, u, v, n;
 };
 
-Frame frame_at(const Vec3& origin, const Vec3& n) {
+// With u across `n` towards a point, so that it turns with the surface.
+Frame frame_at(const Vec3& origin, const Vec3& n, const Vec3& towards) {
   const double x = std::abs(n.x), y = std::abs(n.y), z = std::abs(n.z);
   const Vec3 axis = x <= y && x <= z ? Vec3{1, 0, 0} : y <= z ? Vec3{0, 1, 0} : Vec3{0, 0, 1};
-  const Vec3 across = cross(axis, n), u = across / norm(across);
+  const Vec3 u = unit_or(cross(cross(n, towards - origin), n), unit_or(cross(axis, n), {}));
   return {origin, u, cross(n, u), n};
 }
 
@@ -212,7 +213,7 @@ class Surroundings {
   std::vector<Mark> marks_;
 };
 
-// Heights of the points around one facet, up to a radius. Likeness weighs (1 - u / 16)^8, u the squared difference of normals in ranges: about
+// Heights of the points around one facet, up to a radius. [T-DENOISE-3] Likeness weighs (1 - u / 16)^8, u the squared difference of normals in ranges: about
 // exp(-u / 2), in less time; and nothing from another side of a crease.
 void see(std::span<const Surroundings::Sight> sights, const Frame& frame, double radius, double range, HeightSamples& samples) {
   const double per_range = 1 / (range * range), r2 = radius * radius;
@@ -297,7 +298,7 @@ class ClusterFits {
     around_.start(seed, scene_.options.range);
   }
   Chosen choose(std::uint32_t f) {
-    const Frame frame = frame_at(scene_.centroid[f], scene_.normals[f]);
+    const Frame frame = frame_at(scene_.centroid[f], scene_.normals[f], scene_.points[scene_.mesh.facets[f][0]]);
     const double spacing = scene_.spacing[f], first = std::max(kFirstRadius * spacing, scene_.options.least_radius), last = std::max(kLastRadius * spacing, first);
     choice_.clear();
     if (spacing == 0) return {};

@@ -22,7 +22,7 @@ struct LocalPolynomials {
 };
 
 // Around each facet, planes and paraboloids in discs of growing radius are fitted by weighted least squares to the heights of `noisy` points, seen from the
-// normals and positions (`points`) of a first filter. Of these fits the one with the least variance is taken that agrees with all finer ones. [T-DENOISE-3, 4]
+// normals and positions (`points`) of a first filter. Of these fits the one with the least variance is taken that agrees with all finer ones. [T-DENOISE-3] [T-DENOISE-4]
 // Facets then take the mean of what the fits of their two rings say. [T-DENOISE-5]  Throws Error{interrupted}.
 LocalPolynomials local_polynomials(const FacetMesh& mesh, const std::vector<Vec3>& normals, const std::vector<Vec3>& points,
                                    const std::vector<Vec3>& noisy, const PolynomialOptions& options, Progress& progress);
