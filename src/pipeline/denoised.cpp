@@ -21,6 +21,7 @@ constexpr double kVolumeOfFolds = 0.02;  // of the volume: what mending folds ma
 
 DenoiseOptions denoise_options(const SmoothingPlan& plan, const TriangleSoup& soup, const RepairReport& report) {
   DenoiseOptions options;
+  options.noise = report.smoothing.noise;
   if (plan.length > 0) options.length = plan.length;
   options.crease_angle = report.options.crease_angle;
   options.deviation = report.options.deviation;
@@ -39,11 +40,13 @@ TriangleSoup without_outliers(const TriangleSoup& soup, RepairReport& report) {
 
 // Denoised, with points as the file will have them.
 TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool float32, RepairReport& report, Progress& progress) {
+  report.smoothing.outliers = 0;
   report.smoothing.max_moved = 0;
   DenoiseResult done;
   done.soup = plan.clamps_outliers ? without_outliers(soup, report) : soup;
   if (plan.denoises() && (plan.length > 0 || report.smoothing.noise.noisy())) {
     done = denoise(done.soup, denoise_options(plan, soup, report), progress);
+    report.smoothing.outliers += done.outliers;
     report.smoothing.rms_moved = done.rms_moved;
     report.smoothing.max_moved = std::max(report.smoothing.max_moved, done.max_moved);
   }

@@ -26,6 +26,8 @@ struct DenoiseOptions {
   // filter moves points says how much. That counts what is correlated over an edge or two as noise: right for many scanners, wrong for a coarse surface whose
   // details are an edge wide, for which sigma should be given.
   std::optional<double> sigma{};
+  // What estimate_noise says of the surface, or of the part of it that was measured. Unset: of the soup itself.
+  std::optional<NoiseEstimate> noise{};
   // Waves of the surface of this length vanish, and of shorter ones less than 3 % are left [T-DENOISE-4]; up to 15 mean edges. Unset: each place gets
   // the scale that its noise needs.
   std::optional<double> length{};

@@ -26,6 +26,9 @@ constexpr PointUpdate kFilterUpdate{10};
 constexpr double kAnchor = 0.002, kPull = 0.025, kStrongPull = 0.3;
 constexpr int kLastUpdates = 25;
 constexpr double kLongestShift = 0.5;          // mean edges
+constexpr double kGaussianOutliers = 0.01;     // of the points beyond 3 sigma: of noise that is normally distributed there are 0.0027
+constexpr double kWhite = 0.1;                 // Moran's I of what the first filter moved: of white noise it is negative
+constexpr double kFarthest = 3, kFarthestOfOthers = 4;  // sigma: what removing noise may move a point by
 
 // How far points have moved along the normals that they have now.
 struct Moved {
@@ -80,6 +83,7 @@ class Run {
     const double sigma = options_.sigma.value_or(0) > 0 ? *options_.sigma : moved_.rms;
     result_.sigma = sigma;
     if (sigma > 0) fit(sigma);
+    if (!options_.length) stay_within_noise(std::max(sigma, result_.noise.sigma));
     keep_bounds();
     summarise();
   }
@@ -119,16 +123,24 @@ class Run {
     return trust;
   }
 
-  void keep_bounds() {
-    std::vector<Vec3> directions = point_normals(mesh_, geometry_.normal, geometry_.area);
-    for (std::size_t p = 0; p < options_.mobility.size(); ++p) directions[p] *= static_cast<double>(options_.mobility[p]);
-    lock_volume(mesh_, home_, directions, kLongestShift * edge_, points_);
-    if (!options_.deviation) return;
-    const double limit = *options_.deviation;
+  // What lies farther away than noise explains is detail. [T-DENOISE-8]
+  void stay_within_noise(double sigma) {
+    const bool white = moved_.correlation <= kWhite && static_cast<double>(result_.outliers) <= kGaussianOutliers * static_cast<double>(points_.size());
+    limit_moves((white ? kFarthest : kFarthestOfOthers) * sigma);
+  }
+
+  void limit_moves(double limit) {
     parallel_for(points_.size(), [&](std::size_t p) {
       const Vec3 d = points_[p] - home_[p];
       if (norm(d) > limit) points_[p] = home_[p] + d * (limit / norm(d) * (1 - 1e-12));
     });
+  }
+
+  void keep_bounds() {
+    std::vector<Vec3> directions = point_normals(mesh_, geometry_.normal, geometry_.area);
+    for (std::size_t p = 0; p < options_.mobility.size(); ++p) directions[p] *= static_cast<double>(options_.mobility[p]);
+    lock_volume(mesh_, home_, directions, kLongestShift * edge_, points_);
+    if (options_.deviation) limit_moves(*options_.deviation);
   }
 
   void summarise() {
@@ -156,7 +168,7 @@ DenoiseResult denoise(const TriangleSoup& oriented, const DenoiseOptions& option
   progress.check();
   DenoiseResult result;
   result.soup = oriented;
-  result.noise = estimate_noise(oriented);
+  result.noise = options.noise ? *options.noise : estimate_noise(oriented);
   const double sigma = options.sigma.value_or(result.noise.sigma);
   if (oriented.facets.empty() || (!(sigma > 0) && !options.length)) return result;
   Run(oriented, options, progress, result)();
