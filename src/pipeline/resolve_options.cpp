@@ -157,6 +157,7 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   resolved.keep_volume = asked.keep_volume;
   resolved.crease_angle = asked.crease_angle;
   resolved.curvature_radius = length(asked.curvature_radius);
+  if (asked.deviation && asked.deviation->unit != LengthUnit::cells) resolved.deviation = length(asked.deviation);
   resolved.offset = length(asked.offset);
   if (resolved.offset && asked.offset_inwards) resolved.offset = -*resolved.offset;
   resolved.hollow = length(asked.hollow);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 
 #include "burnish/core/parallel.h"
@@ -37,30 +38,38 @@ struct Moved {
   double correlation = 0;  // Moran's I over the facets' edges
 };
 
-Moved moved(const FacetMesh& mesh, const FacetGeometry& g, const std::vector<Vec3>& points, const std::vector<Vec3>& home) {
-  const auto add = [](double a, double b) { return a + b; };
+struct WeightedSum {
+  double sum = 0, weight = 0;
+};
+
+WeightedSum operator+(const WeightedSum& a, const WeightedSum& b) { return {a.sum + b.sum, a.weight + b.weight}; }
+
+// Points that are held back say less about the noise: `mobility` weighs them. Empty: all the same.
+Moved moved(const FacetMesh& mesh, const FacetGeometry& g, const std::vector<Vec3>& points, const std::vector<Vec3>& home, const std::vector<float>& mobility) {
   const std::vector<Vec3> normals = point_normals(mesh, g.normal, g.area);
+  const auto weight = [&](std::size_t p) { return mobility.empty() ? 1.0 : static_cast<double>(mobility[p]); };
   Moved m{std::vector<double>(points.size())};
-  const double squares = parallel_reduce(points.size(), kDefaultGrain, 0.0, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
+  const WeightedSum squares = parallel_reduce(points.size(), kDefaultGrain, WeightedSum{}, [&](std::size_t begin, std::size_t end) {
+    WeightedSum all;
     for (std::size_t p = begin; p < end; ++p) {
       m.along[p] = dot(points[p] - home[p], normals[p]);
-      sum += m.along[p] * m.along[p];
+      all = all + WeightedSum{weight(p) * m.along[p] * m.along[p], weight(p)};
     }
-    return sum;
-  }, add);
-  const double products = parallel_reduce(mesh.facets.size(), kDefaultGrain, 0.0, [&](std::size_t begin, std::size_t end) {
-    double sum = 0;
+    return all;
+  }, std::plus<>());
+  const WeightedSum products = parallel_reduce(mesh.facets.size(), kDefaultGrain, WeightedSum{}, [&](std::size_t begin, std::size_t end) {
+    WeightedSum all;
     for (std::size_t f = begin; f < end; ++f) {
-      const double a = m.along[mesh.facets[f][0]], b = m.along[mesh.facets[f][1]], c = m.along[mesh.facets[f][2]];
-      sum += a * b + b * c + c * a;
+      const auto [i, j, k] = mesh.facets[f];
+      const double wi = weight(i), wj = weight(j), wk = weight(k), a = wi * m.along[i], b = wj * m.along[j], c = wk * m.along[k];
+      all = all + WeightedSum{a * b + b * c + c * a, wi * wj + wj * wk + wk * wi};
     }
-    return sum;
-  }, add);
-  if (squares == 0) return m;
-  const double mean = squares / static_cast<double>(points.size());
+    return all;
+  }, std::plus<>());
+  if (squares.sum == 0) return m;
+  const double mean = squares.sum / squares.weight;
   m.rms = std::sqrt(mean);
-  m.correlation = products / (3.0 * static_cast<double>(mesh.facets.size()) * mean);
+  if (products.weight > 0) m.correlation = products.sum / (products.weight * mean);
   return m;
 }
 
@@ -99,7 +108,7 @@ class Run {
       normals_ = guided_normals(mesh_, geometry_, range_ * kGuideRange);
       update_points(mesh_, normals_, home_, options_.mobility, kFilterUpdate, points_);
       geometry_.update(mesh_, points_);
-      moved_ = moved(mesh_, geometry_, points_, home_);
+      moved_ = moved(mesh_, geometry_, points_, home_, options_.mobility);
       const double noise = known > 0 ? std::min(known, moved_.rms) : moved_.rms;
       if (i >= kFiltersPerNoise * noise / mean_edge(mesh_, points_) * error_of_means(moved_.correlation)) return;
     }
@@ -145,7 +154,7 @@ class Run {
 
   void summarise() {
     geometry_.update(mesh_, points_);
-    result_.rms_moved = moved(mesh_, geometry_, points_, home_).rms;
+    result_.rms_moved = moved(mesh_, geometry_, points_, home_, {}).rms;
     for (std::size_t p = 0; p < points_.size(); ++p) result_.max_moved = std::max(result_.max_moved, norm(points_[p] - home_[p]));
   }
 
