@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <optional>
 
 #include "burnish/core/error.h"
@@ -9,6 +10,7 @@
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
 #include "burnish/pipeline/clean.h"
+#include "burnish/pipeline/sweep.h"
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
@@ -58,7 +60,7 @@ class CleanCommand : public Command {
     Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
     for (const std::string& name : idle_options(job_.options)) console.warn(name, {"has no effect without --smooth"});
     if (time_limit_ > 0) console.stop_after(time_limit_);
-    const RepairReport report = clean(job_, console);
+    const RepairReport report = snapshots_.empty() ? clean(job_, console) : clean_with_snapshots(console);
     console.end_stage();
     if (report_file) {
       write_text(report_file->fd(), report_path_, to_json(report));
@@ -78,6 +80,8 @@ class CleanCommand : public Command {
          "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
+        {"--snapshots", 0, "DIR", "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",
+         store_text(snapshots_)},
         {"--report", 0, "FILE", "Output", "Write a report of what was found and done, as JSON.",
          store_text(report_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
@@ -108,6 +112,8 @@ class CleanCommand : public Command {
              fmt::format("add -o FILE, or look at the input with: burnish check {}", job_.input));
     }
     burnish::require_consistent(job_.options);
+    if (!snapshots_.empty() && !(job_.options.smooth.value > 0)) refuse("--snapshots needs a length", "for example --smooth 0.5%");
+    if (!snapshots_.empty() && job_.output == "-") refuse("--snapshots and -o - exclude each other", "name the output");
     if (job_.output == "-" && json_) {
       refuse("-o - and --json would both use standard output",
              "write the report to a file with --report FILE");
@@ -123,6 +129,24 @@ class CleanCommand : public Command {
     if (job_.output != "-") static_cast<void>(format_for_writing(job_.output));
   }
 
+  // Snapshots that could not be made are warned of; what counts is the result.
+  RepairReport clean_with_snapshots(Console& console) const {
+    namespace fs = std::filesystem;
+    std::error_code error;
+    fs::create_directories(snapshots_, error);
+    if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be made: {}", snapshots_, error.message()));
+    std::vector<SweepStep> steps;
+    for (const int percent : {25, 50, 75}) {
+      const Length part{0.01 * percent * job_.options.smooth.value, job_.options.smooth.unit};
+      steps.push_back({part, (fs::path(snapshots_) / fmt::format("smooth-{}{}", percent, fs::path(job_.output).extension().string())).string()});
+    }
+    steps.push_back({job_.options.smooth, job_.output});
+    std::vector<RepairReport> reports = sweep(job_, steps, console);
+    for (const RepairReport& snapshot : reports)
+      if (&snapshot != &reports.back() && snapshot.failure) console.warn(snapshot.output, {std::string("was not written: ") + snapshot.failure->what()});
+    return std::move(reports.back());
+  }
+
   void print(const RepairReport& report, double seconds) const {
     if (json_) return write_stdout(to_json(report));
     if (quiet_) return;
@@ -135,6 +159,7 @@ class CleanCommand : public Command {
 
   CleanJob job_;
   std::string report_path_;
+  std::string snapshots_;
   int threads_ = 0;
   bool json_ = false;
   bool quiet_ = false;
