@@ -33,10 +33,10 @@ Choice chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise) {
   if (asked.curvature_radius) return {SmoothMode::mcf, "a radius of curvature was given"};
   if (in_cells(asked)) return {SmoothMode::volume, "lengths in cells were given"};
   if (asked.smooth_auto && !noise.noisy()) return {SmoothMode::feature, "there is no noise, but points far off the surface"};
-  if (noise.creased()) return {SmoothMode::feature, "creases stand out of the noise"};
-  if (!reason_against_local(asked, false).empty()) return {SmoothMode::volume, "few creases, and a level set was asked for"};
+  if (noise.creased() && !noise.rough_otherwise()) return {SmoothMode::feature, "creases stand out of the noise"};
+  if (!reason_against_local(asked, false).empty()) return {SmoothMode::volume, "a level set was asked for"};
   if (noise.noisy()) return {SmoothMode::feature, "the noise is random from point to point"};
-  return {SmoothMode::volume, "few creases, and no noise that is random from point to point"};
+  return {SmoothMode::volume, "the surface is not rough at random from point to point"};
 }
 
 }  // namespace

@@ -36,6 +36,8 @@ struct NoiseEstimate {
   bool has_neighborhoods() const { return fits >= kFewestFits; }
   // Worth removing: a fortieth of an edge turns a facet by about 4 degrees. Without it, a smoother chosen by the estimate leaves the surface alone.
   bool noisy() const { return sigma > 0.025 * mean_edge; }
+  // As rough as that, but neighbours share it, or it is not everywhere: the staircase of a tomography, ripples, coarse detail. What looks like creases may be it.
+  bool rough_otherwise() const { return !noisy() && residual > 0.025 * mean_edge; }
   // Piecewise smooth, as machined parts are: what keeps creases (`feature`) suits it. Otherwise organic: `volume`.
   bool creased() const { return crease_bending > 0.5; }
 };
