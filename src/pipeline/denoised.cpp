@@ -8,6 +8,7 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/denoise.h"
+#include "burnish/surface/edge_table.h"
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/local_repair.h"
 #include "burnish/surface/outliers.h"
@@ -44,6 +45,7 @@ TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool 
   done.soup = plan.clamps_outliers ? without_outliers(soup, report) : soup;
   if (plan.denoises() && (plan.length > 0 || report.smoothing.noise.noisy())) {
     done = denoise(done.soup, denoise_options(plan, soup, report), progress);
+    report.smoothing.length = plan.length;
     report.smoothing.rms_moved = done.rms_moved;
     report.smoothing.max_moved = std::max(report.smoothing.max_moved, done.max_moved);
   }
@@ -53,6 +55,13 @@ TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool 
       if (p != soup.points[i]) p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
     });
   return std::move(done.soup);
+}
+
+bool has_open_edges(const TriangleSoup& soup) {
+  const EdgeTable edges(soup);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges.is_open(e)) return true;
+  return false;
 }
 
 bool needs_mending(const TriangleSoup& soup, Progress& progress) {
@@ -86,6 +95,7 @@ std::optional<DenoisedSolution> solve_denoised(const TriangleSoup& welded, const
   std::optional<LocalSolution> closed = valid ? unchanged(welded) : solve_locally(welded, prepared, {.max_hole = {}, .float32 = float32, .resolve_intersections = false}, report, progress, refusal);
   if (!closed) return std::nullopt;
   report.after.volume = signed_volume(closed->soup);
+  report.is_sheet = report.options.max_hole && has_open_edges(closed->soup);
   refusal = objection_to(*closed, closed->soup, welded, prepared, tolerance, report);
   if (!refusal.empty()) return std::nullopt;
   DenoisedSolution result;
