@@ -250,14 +250,13 @@ TEST_F(Smoothing, ASweepPreparesOnceAndEqualsSingleRuns) {
 // Without a cell, all take the one that suits the shortest length.
 TEST_F(Smoothing, ASweepHasOneCell) {
   CleanJob job;
-  job.input = folder_.write("in.ply", icosphere(3));
+  job.input = folder_.write("in.ply", mapped(icosphere(4), [](const Vec3& p) { return Vec3{p.x, 0.15 * p.y, 0.15 * p.z}; }));
   job.options.mode = SmoothMode::volume;
   job.overwrite = true;
-  const std::vector<SweepStep> steps{{model_length(0.9), folder_.path("a.ply")}, {model_length(0.3), folder_.path("b.ply")}};
+  const std::vector<SweepStep> steps{{model_length(0.2), folder_.path("a.ply")}, {model_length(0.15), folder_.path("b.ply")}};
   const std::vector<RepairReport> reports = sweep(job, steps);
   ASSERT_EQ(reports.size(), 2u);
-  // A twelfth of the length, and no more than 1/150 of the diagonal. [T-CELL-1]
-  const double cell = std::min(0.3 / 12, reports[0].before.box.diagonal() / 150);
+  const double cell = 0.15 / 12;  // [T-CELL-1]
   for (const RepairReport& report : reports) {
     EXPECT_TRUE(report.verified);
     EXPECT_TRUE(report.options.cell_was_chosen);
