@@ -110,8 +110,13 @@ class SweepCommand : public Command {
       static_cast<void>(format_for_writing(step.output));
     }
     if (report_path_ == "-") throw Error(ErrorCode::usage, "--report needs a file's name", "--json prints the reports");
-    job_.options.smooth = steps_.front().smooth;
-    burnish::require_consistent(job_.options);
+    if (!report_path_.empty() && std::any_of(steps_.begin(), steps_.end(), [&](const SweepStep& s) { return same_file(s.output, report_path_); }))
+      throw Error(ErrorCode::usage, fmt::format("{}: --report and -o name the same file", report_path_));
+    for (const SweepStep& step : steps_) {
+      if (step.smooth.unit != steps_.front().smooth.unit) throw Error(ErrorCode::usage, "--smooth: lengths of a sweep are all in the same unit", "");
+      job_.options.smooth = step.smooth;
+      burnish::require_consistent(job_.options);
+    }
   }
 
   static std::string json_of(const std::vector<RepairReport>& reports) {

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "burnish/surface/transfer.h"
+#include "burnish/surface/weld.h"
 #include "losses.h"
 #include "resolve_options.h"
 
@@ -18,7 +19,7 @@ constexpr double kLossCells = 1.5;          // parts of the input farther than t
 
 }  // namespace
 
-CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), shared_(base.shared_) {
+CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), region_(base.region_), shared_(base.shared_) {
   const bool cell_was_chosen = report_.options.cell_was_chosen;
   report_.options = resolve_lengths(job.options, report_.before.box.diagonal());
   report_.options.cell_was_chosen = cell_was_chosen;
@@ -34,6 +35,7 @@ void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
 bool CleanRun::open() {
   read(job_.salvage, job_.options);
   take_output(std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+  if (!job_.options.region.empty()) region_ = std::make_shared<const Region>(job_.options.region, report_.recentred_by);
   return prepare(job_.options);
 }
 
@@ -44,6 +46,7 @@ void CleanRun::run() {
 }
 
 RepairReport CleanRun::take_report() {
+  if (plan_.denoises()) report_.options.smooth = plan_.length;
   clock_.end();
   report_.stages = clock_.stages();
   return std::move(report_);
@@ -57,16 +60,35 @@ void CleanRun::share_level_set(const std::vector<Length>& strengths) {
   const double diagonal = report_.before.box.diagonal();
   const auto shorter = [&](const Length& a, const Length& b) { return a.in_model_units(diagonal, 1) < b.in_model_units(diagonal, 1); };
   const auto [least, most] = std::minmax_element(strengths.begin(), strengths.end(), shorter);
+  options_.smooth = *most;
   if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
   options_.smooth = *least;
   resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
-  report_.options.smooth = most->in_model_units(diagonal, report_.options.cell);
+  fit_cell_for(*most);
   shared_ = std::make_shared<const BuiltLevelSet>(build_level_set(prepared_, report_, progress_));
+}
+
+// Coarsens a cell that was chosen until the longest length, too, fits the budget.
+void CleanRun::fit_cell_for(const Length& longest) {
+  const bool was_chosen = report_.options.cell_was_chosen;
+  options_.smooth = longest;
+  options_.resolution.reset();
+  double cell = report_.options.cell;
+  for (;; cell *= 1.05) {
+    options_.cell = Length{cell, LengthUnit::model};
+    try {
+      resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
+      break;
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::memory_limit || !was_chosen) throw;
+    }
+  }
+  report_.options.cell_was_chosen = was_chosen;
 }
 
 void CleanRun::plan() {
   if (job_.options.smooths()) begin("estimating noise");
-  plan_ = plan_smoothing(job_.options, prepared_, report_);
+  plan_ = plan_smoothing(job_.options, region_, prepared_, report_);
   options_ = with_plan(job_.options, plan_);
 }
 
@@ -137,7 +159,7 @@ bool CleanRun::verify_local(const LocalSolution& solution, std::string& why_not)
 // The bound on the deviation is one from the surface before it was smoothed.
 void CleanRun::hold_deviation(const TriangleSoup& repaired, double slack) {
   if (!report_.options.deviation || plan_.mode == SmoothMode::automatic) return;
-  report_.smoothing.deviation = one_sided_distance(result_, TriangleIndex(repaired)).max;
+  report_.smoothing.deviation = std::max(one_sided_distance(result_, TriangleIndex(repaired)).max, one_sided_distance(repaired, TriangleIndex(result_)).max);
   const double bound = *report_.options.deviation;
   if (report_.smoothing.deviation <= bound + slack) return;
   report_.verified = false;
@@ -174,7 +196,7 @@ void CleanRun::forget_attempt() {
 
 void CleanRun::rebuild() {
   begin("distances and signs");
-  if (report_.options.deviation || options_.deviation) surface_before_ = prepared_.capped.soup;
+  if (options_.deviation) points_before_ = prepared_.capped.soup.points;
   if (plan_.denoises() || plan_.clamps_outliers) denoise_prepared(prepared_, plan_, report_, progress_);
   if (shared_) {
     const bool was_chosen = report_.options.cell_was_chosen;
@@ -244,6 +266,17 @@ std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_i
   return far;
 }
 
+// What the level set resolved of the surface before it was denoised or smoothed: facets that bound the solid.
+TriangleSoup CleanRun::surface_of(const std::vector<FacetRole>& roles) const {
+  TriangleSoup surface{prepared_.capped.soup.points, {}, {}};
+  std::copy(points_before_.begin(), points_before_.begin() + static_cast<std::ptrdiff_t>(std::min(points_before_.size(), surface.points.size())), surface.points.begin());
+  const bool trimmed = report_.options.max_hole.has_value();
+  const std::size_t facets = trimmed ? prepared_.oriented.facets.size() : roles.size();
+  for (std::size_t f = 0; f < facets; ++f)
+    if (roles[f] == FacetRole::boundary) surface.facets.push_back(prepared_.capped.soup.facets[f]);
+  return weld(std::move(surface));
+}
+
 void CleanRun::measure(const std::vector<FacetRole>& roles) {
   if (result_.facets.empty()) return;
   begin("measuring");
@@ -251,7 +284,7 @@ void CleanRun::measure(const std::vector<FacetRole>& roles) {
   const TriangleIndex result_index(result_);
   const double limit = kLossCells * o.cell + 0.5 * o.smooth + 0.5 * o.thicken.value_or(0) + 2 * o.adapt.value_or(0) + report_.smoothing.max_moved + std::abs(o.offset.value_or(0));
   tell_losses(measure_deviation(result_index, {.far_beyond = limit}), roles, result_index, limit);
-  if (!o.moves_walls()) hold_deviation(surface_before_, o.cell);
+  if (o.deviation && !o.moves_walls() && !report_.failure) hold_deviation(surface_of(roles), o.cell);
 }
 
 // Nothing is lost silently.

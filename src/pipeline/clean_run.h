@@ -36,6 +36,7 @@ class CleanRun : private SolidRun {
 
  private:
   void take_output(std::unique_ptr<CleanedOutput> output);
+  void fit_cell_for(const Length& longest);
   // Chooses how to smooth.
   void plan();
 
@@ -57,8 +58,9 @@ class CleanRun : private SolidRun {
   void rebuild();
   void build_and_extract();
   void extract(const LevelSet& level_set);
-  // Samples of the input beyond options.far_beyond of the result are gathered.
+  // Both ways; returns the samples of the input that are farther than options.far_beyond from the result.
   std::vector<FarSample> measure_deviation(const TriangleIndex& result_index, const CompareOptions& options);
+  TriangleSoup surface_of(const std::vector<FacetRole>& roles) const;
   void measure(const std::vector<FacetRole>& roles);
   // Nothing is lost silently.
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit);
@@ -72,8 +74,9 @@ class CleanRun : private SolidRun {
   CleanOptions options_;  // the job's, with what was chosen for it
   SmoothingPlan plan_;
   std::unique_ptr<CleanedOutput> output_;
+  std::shared_ptr<const Region> region_;
   std::shared_ptr<const BuiltLevelSet> shared_;  // before smoothing
-  TriangleSoup surface_before_;         // the level set's, before smoothing; where a bound on the deviation was given
+  std::vector<Vec3> points_before_;     // of the prepared input, before denoising; where a bound on the deviation was given
   TriangleSoup result_;                 // read back, welded
   std::vector<std::uint32_t> sources_;  // facets of the input behind those of the result, after a local repair
 };

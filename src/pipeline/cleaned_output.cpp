@@ -99,6 +99,8 @@ Inspection CleanedOutput::write_verified(const LevelSet& level_set, const Sift& 
 }
 
 Error CleanedOutput::reason_for_failure(const Defects& after, const ResolvedOptions& options) const {
+  if (after.facets == 0 && options.moves_walls())
+    return Error(ErrorCode::guarantee_unmet, "no solid: nothing of the model is left after --offset and --hollow", "it is thinner than twice that offset: choose a smaller one");
   if (after.facets == 0 && options.smooth > 0)
     return Error(ErrorCode::guarantee_unmet, "no solid: smoothing left nothing of the model", "choose a smaller --smooth, or bound it with --deviation");
   if (after.facets == 0)

@@ -8,6 +8,7 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/denoise.h"
+#include "burnish/surface/edge_table.h"
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/local_repair.h"
 #include "burnish/surface/outliers.h"
@@ -47,6 +48,7 @@ TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool 
   if (plan.denoises() && (plan.length > 0 || report.smoothing.noise.noisy())) {
     done = denoise(done.soup, denoise_options(plan, soup, report), progress);
     report.smoothing.outliers += done.outliers;
+    report.smoothing.length = plan.length;
     report.smoothing.rms_moved = done.rms_moved;
     report.smoothing.max_moved = std::max(report.smoothing.max_moved, done.max_moved);
   }
@@ -56,6 +58,22 @@ TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool 
       if (p != soup.points[i]) p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
     });
   return std::move(done.soup);
+}
+
+// Facets of the result that are the input's: with the same points, or moved.
+void count_moved(const LocalSolution& solution, const TriangleSoup& welded, RepairActions& actions) {
+  actions.facets_kept = actions.facets_moved = 0;
+  for (std::size_t f = 0; f < solution.source.size(); ++f) {
+    if (solution.source[f] == kNoFacet) continue;
+    ++(has_same_points(solution.soup, f, welded, solution.source[f]) ? actions.facets_kept : actions.facets_moved);
+  }
+}
+
+bool has_open_edges(const TriangleSoup& soup) {
+  const EdgeTable edges(soup);
+  for (std::size_t e = 0; e < edges.size(); ++e)
+    if (edges.is_open(e)) return true;
+  return false;
 }
 
 bool needs_mending(const TriangleSoup& soup, Progress& progress) {
@@ -89,12 +107,14 @@ std::optional<DenoisedSolution> solve_denoised(const TriangleSoup& welded, const
   std::optional<LocalSolution> closed = valid ? unchanged(welded) : solve_locally(welded, prepared, {.max_hole = {}, .float32 = float32, .resolve_intersections = false}, report, progress, refusal);
   if (!closed) return std::nullopt;
   report.after.volume = signed_volume(closed->soup);
+  report.is_sheet = report.options.max_hole && has_open_edges(closed->soup);
   refusal = objection_to(*closed, closed->soup, welded, prepared, tolerance, report);
   if (!refusal.empty()) return std::nullopt;
   DenoisedSolution result;
   result.surface.before = closed->soup;
   result.surface.after = closed->soup = denoised(closed->soup, plan, float32, report, progress);
   if (needs_mending(closed->soup, progress) && !mend_folds(*closed, float32, report, progress, refusal)) return std::nullopt;
+  count_moved(*closed, welded, report.actions);
   result.solution = std::move(*closed);
   return result;
 }

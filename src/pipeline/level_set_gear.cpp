@@ -120,13 +120,21 @@ void turn_crumbs(const TriangleSoup& surface, double least, std::vector<double>&
 }
 
 // The region's mobility at the nodes of a level set.
-Field<float> mobility_field(const LevelSet& set, const Region& region, double ramp) {
+Field<float> mobility_field(const LevelSet& set, const Region& region, double ramp, Progress& progress) {
   Field<float> mobility = Field<float>::like(set.phi, 0.0f, 0.0f);
   parallel_for(set.octree().size(), [&](std::size_t leaf) {
     if (!mobility.stores(leaf)) return;
+    progress.check();
     const auto corner = set.octree().corner(leaf);
     const int step = 1 << set.octree().level(leaf);
     float* const block = mobility.block(leaf);
+    const double half = 0.5 * kBlockSide * step;
+    const Vec3 lower{static_cast<double>(corner.x), static_cast<double>(corner.y), static_cast<double>(corner.z)};
+    const Vec3 center = set.frame.to_model(lower * kBlockSide + Vec3{half, half, half});
+    if (const auto same = region.uniform_mobility(center, std::sqrt(3.0) * half * set.frame.cell, ramp)) {
+      std::fill_n(block, kBlockNodes, static_cast<float>(*same));
+      return;
+    }
     for (int k = 0; k < kBlockSide; ++k)
       for (int j = 0; j < kBlockSide; ++j)
         for (int i = 0; i < kBlockSide; ++i) {
@@ -232,7 +240,7 @@ void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairRepo
   asked.redistance = options.redistance;
   Field<float> mobility;
   if (plan.region) {
-    mobility = mobility_field(level_set, *plan.region, std::max(kRampInCells * options.cell, kRampInLengths * options.smooth));
+    mobility = mobility_field(level_set, *plan.region, std::max(kRampInCells * options.cell, kRampInLengths * options.smooth), progress);
     asked.mobility = &mobility;
   }
   const SmoothingResult done = smooth(level_set, asked, progress);

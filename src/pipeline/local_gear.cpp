@@ -72,13 +72,6 @@ Difference difference(const LocalSolution& solution, const PreparedInput& prepar
   return d;
 }
 
-// Whether two facets have the same points, whichever way round.
-bool has_same_points(const TriangleSoup& a, std::size_t f, const TriangleSoup& b, std::size_t g) {
-  for (int i = 0; i < 3; ++i)
-    if (a.corner(f, i) != b.corner(g, 0) && a.corner(f, i) != b.corner(g, 1) && a.corner(f, i) != b.corner(g, 2)) return false;
-  return true;
-}
-
 double area_of(const TriangleSoup& soup, const std::vector<std::uint32_t>& facets) {
   double sum = 0;
   for (const std::uint32_t f : facets) sum += 0.5 * norm(facet_normal_2a(soup, f));
@@ -251,6 +244,12 @@ bool is_same_solid(const TriangleSoup& a, const TriangleSoup& b, double more) {
     differ += in[i] != out[i];
   }
   return static_cast<double>(differ) <= std::max(2.0, (kMostDisagreeing + more) * static_cast<double>(inside));
+}
+
+bool has_same_points(const TriangleSoup& a, std::size_t f, const TriangleSoup& b, std::size_t g) {
+  for (int i = 0; i < 3; ++i)
+    if (a.corner(f, i) != b.corner(g, 0) && a.corner(f, i) != b.corner(g, 1) && a.corner(f, i) != b.corner(g, 2)) return false;
+  return true;
 }
 
 }  // namespace burnish

@@ -39,6 +39,9 @@ LocalSolution unchanged(const TriangleSoup& welded);
 std::string objection_to(const LocalSolution& solution, const TriangleSoup& result, const TriangleSoup& welded,
                          const PreparedInput& prepared, double tolerance, RepairReport& report);
 
+// Whether two facets have the same points, whichever way round.
+bool has_same_points(const TriangleSoup& a, std::size_t f, const TriangleSoup& b, std::size_t g);
+
 // Whether 4096 points all over the box are inside both closed surfaces or outside both, by winding numbers: up to 0.5 % of those inside, and the
 // share `more` of them.
 bool is_same_solid(const TriangleSoup& before, const TriangleSoup& after, double more);

@@ -65,7 +65,8 @@ class Preparation {
   PreparedInput prepare(const FacetPairs& intersecting) {
     filter();
     join_open_edges();
-    if (options_.smooth_auto) drop_fragments();
+    // Of a valid solid each part is one; of facets that do not join, each is a part.
+    if (options_.smooth_auto && !report_.before.valid_solid() && open_share(soup_) < kWeldedSoup) drop_fragments();
     orient_facets();
     PreparedInput result;
     if (!options_.keeps_openings() && !options_.thicken && !report_.before.valid_solid()) leave_out_sheets();

@@ -58,6 +58,16 @@ double Region::mobility(const Vec3& p, double ramp) const {
   return d <= 0 ? 0 : ramp > 0 ? std::min(d / ramp, 1.0) : 1;
 }
 
+std::optional<double> Region::uniform_mobility(const Vec3& p, double radius, double ramp) const {
+  const double reach = radius + ramp;
+  if (!surface_) {
+    const double d = depth(p);
+    return d >= reach ? std::optional(1.0) : d <= -radius ? std::optional(0.0) : std::nullopt;
+  }
+  if (surface_->closest(p, reach * reach).facet != kNoFacet) return std::nullopt;
+  return surface_->winding_number(p) > 0.5 ? 1 : 0;
+}
+
 std::vector<float> mobility_at(const std::vector<Vec3>& points, const Region& region, double ramp) {
   std::vector<float> mobility(points.size());
   parallel_for(points.size(), [&](std::size_t i) { mobility[i] = static_cast<float>(region.mobility(points[i], ramp)); }, 256);

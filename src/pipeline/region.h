@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,8 @@ class Region {
 
   // How freely the surface may move at p: 0 outside, 1 from `ramp` inside the region's border on, linear between.
   double mobility(const Vec3& p, double ramp) const;
+  // The mobility of all points within `radius` of p, if the border is farther away than that and the ramp.
+  std::optional<double> uniform_mobility(const Vec3& p, double radius, double ramp) const;
 
  private:
   // How far inside p is: the largest such distance to the border of any shape; negative outside.

@@ -92,6 +92,7 @@ Json json_of(const RepairActions& a) {
       {"largest_split", a.largest_split},
       {"intersecting_pairs_removed", a.intersecting_pairs_removed},
       {"facets_kept", a.facets_kept},
+      {"facets_moved", a.facets_moved},
       {"facets_removed", a.facets_removed},
       {"facets_added", a.facets_added},
   };

@@ -169,12 +169,13 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
   const TriangleSoup& prepared = capped.soup;
   const Box3 box = bounding_box(prepared);
   const double diagonal = box.diagonal(), half_shell = 0.5 * resolved.thicken.value_or(0);
-  const auto band = [&](double cell) { return band_of(asked, flow_mode(resolved.mode), diagonal, cell, unsmoothed_band) + half_shell / cell; };
+  const double walls = std::abs(resolved.offset.value_or(0)) + resolved.hollow.value_or(0);
+  const std::optional<double> wall = resolved.thicken ? resolved.thicken : resolved.hollow;  // that is to be built
+  const auto band = [&](double cell) { return band_of(asked, flow_mode(resolved.mode), diagonal, cell, unsmoothed_band) + (half_shell + walls) / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
     double wanted = default_cell(capped, diagonal, asked.smooth, resolved.thicken);
-    if (resolved.thicken)
-      wanted = std::max(std::min(wanted, *resolved.thicken / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
+    if (wall) wanted = std::max(std::min(wanted, *wall / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
     resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));
@@ -188,11 +189,11 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
                               static_cast<double>(asked.memory_bytes) * 0x1p-30),
                   fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked.memory_bytes, prepared, resolved.cell, band)));
   }
-  if (resolved.thicken && *resolved.thicken < kCellsPerWall * resolved.cell)
+  if (wall && *wall < kCellsPerWall * resolved.cell)
     throw Error(ErrorCode::guarantee_unmet,
-                fmt::format("a shell of thickness {:.4g} needs cells of {:.4g} or less; the cell is {:.4g}", *resolved.thicken,
-                            *resolved.thicken / kCellsPerWall, resolved.cell),
-                fmt::format("make it thicker, or give the cell: --cell {:.4g}", *resolved.thicken / kCellsAcrossShell));
+                fmt::format("a {} of thickness {:.4g} needs cells of {:.4g} or less; the cell is {:.4g}", resolved.thicken ? "shell" : "wall", *wall,
+                            *wall / kCellsPerWall, resolved.cell),
+                fmt::format("make it thicker, or give the cell: --cell {:.4g}", *wall / kCellsAcrossShell));
   resolved.cells_along_longest_side = box.longest_side() / resolved.cell;
   resolved.smooth = asked.smooth.in_model_units(diagonal, resolved.cell);
   resolve_adaptivity(asked, diagonal, resolved);

@@ -3,7 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "burnish/surface/noise.h"
 #include "burnish/surface/outliers.h"
@@ -31,6 +34,7 @@ struct Choice {
 Choice chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise) {
   if (asked.mode != SmoothMode::automatic) return {asked.mode, "asked for"};
   if (asked.curvature_radius) return {SmoothMode::mcf, "a radius of curvature was given"};
+  if (asked.method == Method::local) return {SmoothMode::feature, "local repair was asked for"};
   if (in_cells(asked)) return {SmoothMode::volume, "lengths in cells were given"};
   if (asked.smooth_auto && !noise.noisy()) return {SmoothMode::feature, "there is no noise, but points far off the surface"};
   if (noise.creased() && !noise.rough_otherwise()) return {SmoothMode::feature, "creases stand out of the noise"};
@@ -39,9 +43,19 @@ Choice chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise) {
   return {SmoothMode::volume, "the surface is not rough at random from point to point"};
 }
 
+void warn_of_idle_options(const CleanOptions& asked, const SmoothingPlan& plan, std::vector<std::string>& warnings) {
+  const auto warn = [&](bool given, std::string_view option) {
+    if (given) warnings.push_back(fmt::format("{} has no effect in mode {}", option, name(plan.mode)));
+  };
+  warn(plan.denoises() && !asked.keep_volume, "--free-volume");
+  warn(plan.denoises() && asked.curvature_radius, "--curvature-radius");
+  warn(plan.denoises() && asked.redistance != RedistanceMethod::closest, "--redistance");
+  warn(plan.flows() && asked.crease_angle, "--crease");
+}
+
 }  // namespace
 
-SmoothingPlan plan_smoothing(const CleanOptions& asked, const PreparedInput& prepared, RepairReport& report) {
+SmoothingPlan plan_smoothing(const CleanOptions& asked, std::shared_ptr<const Region> region, const PreparedInput& prepared, RepairReport& report) {
   SmoothingPlan plan;
   if (!asked.smooths()) return plan;
   const NoiseEstimate noise = estimate_noise(prepared.oriented);
@@ -55,7 +69,8 @@ SmoothingPlan plan_smoothing(const CleanOptions& asked, const PreparedInput& pre
   const Choice choice = chosen_mode(asked, noise);
   plan.mode = report.smoothing.mode = report.options.mode = choice.mode;
   report.smoothing.mode_reason = choice.reason;
-  if (!asked.region.empty()) plan.region = std::make_shared<Region>(asked.region, report.recentred_by);
+  plan.region = std::move(region);
+  warn_of_idle_options(asked, plan, report.warnings);
   if (!asked.smooth_auto) {
     plan.length = asked.smooth.in_model_units(diagonal_of(report), 0);  // in cells: not known yet
   } else if (plan.flows()) {

@@ -18,6 +18,7 @@ import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import runner
 import scenarios
+import smoothing_scenarios  # noqa: F401  (adds to the groups of scenarios)
 
 
 def scenario_test(function):

@@ -416,6 +416,7 @@ TEST_F(Pipeline, SmoothingStaysWithinTheDeviationAskedFor) {
 // Bounds beyond the band of exact distances hold as well: a ball that the flow alone would make vanish.
 TEST_F(Pipeline, LargeDeviationsAreBoundsToo) {
   CleanOptions options = at_resolution(24);
+  options.mode = SmoothMode::mcf;
   options.smooth = {30, LengthUnit::cells};
   EXPECT_FALSE(run(icosphere(3), options).verified);
   options.deviation = Length{6, LengthUnit::cells};
@@ -426,6 +427,7 @@ TEST_F(Pipeline, LargeDeviationsAreBoundsToo) {
 
 TEST_F(Pipeline, SmoothingAwayTheModelWritesNothing) {
   CleanOptions options = at_resolution(24);
+  options.mode = SmoothMode::mcf;
   options.smooth = {40, LengthUnit::cells};
   CleanJob vanishing = job(folder_.write("in.stl", icosphere(2)), options);
   vanishing.allow_invalid = true;

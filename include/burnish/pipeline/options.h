@@ -28,7 +28,7 @@ enum class Nesting {
 
 // How a surface is smoothed.
 enum class SmoothMode {
-  automatic,  // `feature` where facets have neighbours and their noise is random; `volume` for what is rough otherwise
+  automatic,  // `feature` for random noise and for creases, `volume` for what is rough otherwise [T-AUTO-2]
   feature,    // normals filtered on the facets, points moved to them: sharp edges stay (surface/denoise.h)
   volume,     // diffusion of the level set that shrinks nothing to first order
   mcf,        // mean-curvature flow, the thesis' method
@@ -84,7 +84,7 @@ struct CleanOptions {
   bool keep_openings = false;
   // The result is a shell of this thickness about all facets.
   std::optional<Length> thicken;
-  // The surface is moved outwards by this much, inwards if `inwards`; asks for the level set.
+  // The surface is moved outwards by this much, inwards if `offset_inwards`; asks for the level set.
   std::optional<Length> offset;
   bool offset_inwards = false;
   // Only a wall of this thickness stays of the solid, inside its surface; asks for the level set.

@@ -45,6 +45,7 @@ struct RepairActions {
   double largest_split = 0;               // how far, model units
   std::size_t intersecting_pairs_removed = 0;
   std::size_t facets_kept = 0;            // bit for bit
+  std::size_t facets_moved = 0;           // whose points were denoised
   std::size_t facets_removed = 0;         // of the input
   std::size_t facets_added = 0;           // to it
 };
@@ -91,7 +92,7 @@ struct SmoothingSummary {
   std::size_t outliers = 0;   // points that were displaced by more than the noise allows, and were put back
   double rms_moved = 0;       // of the surface along its normals
   double max_moved = 0;       // of points of the facets; 0 for a level set
-  double deviation = 0;       // from the repaired surface to the result, the largest; measured if a bound was given
+  double deviation = 0;       // between the repaired surface and the result, the largest either way; measured if a bound was given
   double length = 0;          // waves below it were removed; 0: what was noise
   double flow_time = 0;       // model units squared
   int steps = 0;
