@@ -171,7 +171,7 @@ def vertices_find_the_surface_that_smoothing_moved(box):
     expect(found["determined"] == found["points"], f"{found['points'] - found['determined']} are undetermined")
     # Balls stay balls, of the volume that is reported; the small one's radius shrinks by more than two cells.
     box.write("two.stl", models.binary_stl(sphere(24, 2.0) + shifted(sphere(12, 1.0), 5)))
-    result = curvature_of(box, "two.stl", "--smooth", "1.8", "--cell", "0.08", "--at", "vertices")
+    result = curvature_of(box, "two.stl", "--smooth", "1.8", "--cell", "0.05", "--at", "vertices")
     found, volume = result["curvature"], result["smoothing"]["volume_after"]
     expect(found["determined"] == found["points"] == 6 * 24 ** 2 + 2 + 6 * 12 ** 2 + 2, f"{found}")
     mean = found["mean"]
