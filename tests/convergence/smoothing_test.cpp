@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -291,6 +292,44 @@ TEST(Smooth, ReportsItsStepsAndEndsWhenCancelled) {
   some.enough = 1;
   EXPECT_THROW(smooth(ball.set, options_for(FlowMode::mcf, 16), some), Error);
   EXPECT_EQ(some.fractions.size(), 1u);
+}
+
+// Its time is over after the first step.
+class Hurried : public Watched {
+ public:
+  bool out_of_time() const override { return !fractions.empty(); }
+};
+
+TEST(Smooth, EndsWhenTheTimeIsOver) {
+  for (const FlowMode mode : {FlowMode::mcf, FlowMode::volume, FlowMode::filtered, FlowMode::reinit}) {
+    Ball<float> ball = ball_for(mode, 12, 16);
+    Hurried progress;
+    try {
+      smooth(ball.set, options_for(mode, 16), progress);
+      ADD_FAILURE() << name(mode) << " ran to its end";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::time_limit) << name(mode);
+    }
+    EXPECT_EQ(progress.fractions.size(), 1u) << name(mode);
+  }
+}
+
+// While a step is under way: redistancing asks, too.
+class Late : public Progress {
+ public:
+  bool out_of_time() const override { return ++asked > 1; }
+  mutable std::atomic<int> asked = 0;
+};
+
+TEST(Smooth, EndsWithinAStepWhenTheTimeIsOver) {
+  for (const FlowMode mode : {FlowMode::mcf, FlowMode::volume, FlowMode::filtered, FlowMode::reinit}) {
+    Ball<float> ball = ball_for(mode, 12, 4);
+    Late progress;
+    EXPECT_THROW(smooth(ball.set, options_for(mode, 4), progress), Error) << name(mode);
+  }
+  Ball<float> ball = ball_for(FlowMode::mcf, 12, 4);
+  Late progress;
+  EXPECT_THROW(mean_curvature_flow(ball.set, 1, progress), Error);
 }
 
 }  // namespace

@@ -22,16 +22,6 @@ constexpr float kStraight = 16;               // 1 / cell^2: more than the sum o
 constexpr float kFarthestMove = 3;            // cells a step
 constexpr float kGateWidth = 0.5f;            // of 1 / radius, over which the gate opens
 
-// Redistancing is a part of a step: it may be interrupted and reports no progress of its own.
-class PartOfStep : public Progress {
- public:
-  explicit PartOfStep(const Progress& whole) : whole_(whole) {}
-  bool cancelled() const override { return whole_.cancelled(); }
-
- private:
-  const Progress& whole_;
-};
-
 // A principal curvature at the closest point of a node, from that of the level set through the node. [T-SMOOTH-8]
 float at_foot(float curvature, float phi) { return curvature / std::clamp(1 - phi * curvature, 0.5f, 2.0f); }
 
@@ -72,6 +62,7 @@ class Smoothing {
     SurfaceDiffusion diffusion(set_);
     double before = 0;
     for (int step = 1; step <= plan.steps && !result_.reached_target; ++step) {
+      progress_.check();
       const Field<float> last = options_.target_rms ? set_.phi : Field<float>();
       displace(diffusion, plan);  // [T-SMOOTH-1]
       redistance_surface();
@@ -173,6 +164,7 @@ class Smoothing {
     options.accepted = &none;
     options.steady = 0;
     for (int step = 0; step < plan.steps && !result_.reached_target; step += options.most_steps) {
+      progress_.check();
       options.most_steps = std::min(kStepsAtOnce, plan.steps - step);
       redistance(set_, options, part_);
       constrain();
@@ -223,7 +215,7 @@ class Smoothing {
   LevelSet& set_;
   const SmoothingOptions& options_;
   Progress& progress_;
-  PartOfStep part_;
+  QuietProgress part_;  // of a step, as redistancing is
   const double reach_;
   const Field<float> start_;
   Field<std::uint8_t> fixed_;

@@ -75,7 +75,7 @@ inline constexpr double kFlowBand = 5;
 // Smooths the surface of a level set whose blocks are finest within its band and the room, and whose phi is a distance within the band. Afterwards phi
 // is one up to min(band, kFlowBand) cells, but for the last shift of less than 0.1 cells that keeps the volume, and for what a deviation clamps.
 //
-// Same bits for any number of threads. Reports its fraction after each step. Throws Error{interrupted}.
+// Same bits for any number of threads. Reports its fraction after each step. Throws Error{interrupted, time_limit}.
 SmoothingResult smooth(LevelSet& level_set, const SmoothingOptions& options, Progress& progress = no_progress());
 
 }  // namespace burnish
