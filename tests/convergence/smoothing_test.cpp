@@ -167,6 +167,30 @@ TEST(Smooth, KeepsTheVolumeWhateverTheLength) {
     }
 }
 
+// Beside a ball of 12 cells a plate of 44 x 44 x 4, which vanishes: the ball is not blown up to make up for it.
+TEST(Smooth, WhatIsLeftIsNotInflatedByWhatHasVanished) {
+  const Vec3 ball{32.31, 32.77, 18.13}, plate{32, 32, 50.3};
+  const auto distance = [&](const Vec3& p) {
+    const Vec3 d = p - plate, out{std::abs(d.x) - 22, std::abs(d.y) - 22, std::abs(d.z) - 2};
+    const Vec3 outside{std::max(out.x, 0.0), std::max(out.y, 0.0), std::max(out.z, 0.0)};
+    return std::max(12 - norm(p - ball), -norm(outside) - std::min(0.0, std::max({out.x, out.y, out.z})));
+  };
+  const auto around_ball = [&](const LevelSet& set) {
+    double sum = 0, count = 0;
+    for (const Vec3& x : edge_crossings(set)) sum += norm(x - ball), ++count;
+    return sum / count;
+  };
+  const double length = 10;
+  LevelSet set = stored_near_surface(analytic_level_set<float>(3, zone_for(FlowMode::mcf, length), distance), kFlowBand), free = set;
+  const SmoothingResult freely = smooth(free, options_for(FlowMode::mcf, length)), kept = smooth(set, options_for(FlowMode::mcf, length, true));
+  const double radius = std::sqrt(144 - 4 * freely.time);
+  ASSERT_NEAR(around_ball(free), radius, 0.05) << "the plate is still there";
+  EXPECT_NEAR(around_ball(set), radius, 0.05);
+  EXPECT_EQ(kept.volume_after, freely.volume_after);
+  EXPECT_EQ(kept.volume_after, enclosed_volume(set));
+  EXPECT_EQ(std::memcmp(set.phi.values().data(), free.phi.values().data(), set.phi.values().size() * sizeof(float)), 0);
+}
+
 TEST(Smooth, PlanesStayPlanes) {
   for (const FlowMode mode : kModes) {
     LevelSet set = analytic_level_set<float>(3, 6, [](const Vec3& p) { return 32.3 - p.z; });
