@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 #include <numbers>
@@ -166,6 +167,30 @@ TEST(Smooth, KeepsTheVolumeWhateverTheLength) {
     }
 }
 
+// Beside a ball of 12 cells a plate of 44 x 44 x 4, which vanishes: the ball is not blown up to make up for it.
+TEST(Smooth, WhatIsLeftIsNotInflatedByWhatHasVanished) {
+  const Vec3 ball{32.31, 32.77, 18.13}, plate{32, 32, 50.3};
+  const auto distance = [&](const Vec3& p) {
+    const Vec3 d = p - plate, out{std::abs(d.x) - 22, std::abs(d.y) - 22, std::abs(d.z) - 2};
+    const Vec3 outside{std::max(out.x, 0.0), std::max(out.y, 0.0), std::max(out.z, 0.0)};
+    return std::max(12 - norm(p - ball), -norm(outside) - std::min(0.0, std::max({out.x, out.y, out.z})));
+  };
+  const auto around_ball = [&](const LevelSet& set) {
+    double sum = 0, count = 0;
+    for (const Vec3& x : edge_crossings(set)) sum += norm(x - ball), ++count;
+    return sum / count;
+  };
+  const double length = 10;
+  LevelSet set = stored_near_surface(analytic_level_set<float>(3, zone_for(FlowMode::mcf, length), distance), kFlowBand), free = set;
+  const SmoothingResult freely = smooth(free, options_for(FlowMode::mcf, length)), kept = smooth(set, options_for(FlowMode::mcf, length, true));
+  const double radius = std::sqrt(144 - 4 * freely.time);
+  ASSERT_NEAR(around_ball(free), radius, 0.05) << "the plate is still there";
+  EXPECT_NEAR(around_ball(set), radius, 0.05);
+  EXPECT_EQ(kept.volume_after, freely.volume_after);
+  EXPECT_EQ(kept.volume_after, enclosed_volume(set));
+  EXPECT_EQ(std::memcmp(set.phi.values().data(), free.phi.values().data(), set.phi.values().size() * sizeof(float)), 0);
+}
+
 TEST(Smooth, PlanesStayPlanes) {
   for (const FlowMode mode : kModes) {
     LevelSet set = analytic_level_set<float>(3, 6, [](const Vec3& p) { return 32.3 - p.z; });
@@ -291,6 +316,44 @@ TEST(Smooth, ReportsItsStepsAndEndsWhenCancelled) {
   some.enough = 1;
   EXPECT_THROW(smooth(ball.set, options_for(FlowMode::mcf, 16), some), Error);
   EXPECT_EQ(some.fractions.size(), 1u);
+}
+
+// Its time is over after the first step.
+class Hurried : public Watched {
+ public:
+  bool out_of_time() const override { return !fractions.empty(); }
+};
+
+TEST(Smooth, EndsWhenTheTimeIsOver) {
+  for (const FlowMode mode : {FlowMode::mcf, FlowMode::volume, FlowMode::filtered, FlowMode::reinit}) {
+    Ball<float> ball = ball_for(mode, 12, 16);
+    Hurried progress;
+    try {
+      smooth(ball.set, options_for(mode, 16), progress);
+      ADD_FAILURE() << name(mode) << " ran to its end";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::time_limit) << name(mode);
+    }
+    EXPECT_EQ(progress.fractions.size(), 1u) << name(mode);
+  }
+}
+
+// While a step is under way: redistancing asks, too.
+class Late : public Progress {
+ public:
+  bool out_of_time() const override { return ++asked > 1; }
+  mutable std::atomic<int> asked = 0;
+};
+
+TEST(Smooth, EndsWithinAStepWhenTheTimeIsOver) {
+  for (const FlowMode mode : {FlowMode::mcf, FlowMode::volume, FlowMode::filtered, FlowMode::reinit}) {
+    Ball<float> ball = ball_for(mode, 12, 4);
+    Late progress;
+    EXPECT_THROW(smooth(ball.set, options_for(mode, 4), progress), Error) << name(mode);
+  }
+  Ball<float> ball = ball_for(FlowMode::mcf, 12, 4);
+  Late progress;
+  EXPECT_THROW(mean_curvature_flow(ball.set, 1, progress), Error);
 }
 
 }  // namespace

@@ -28,10 +28,13 @@ void shift(const Field<float>& from, const Field<float>* mobility, double by, Fi
 }  // namespace
 
 double shift_to_volume(LevelSet& level_set, double wanted, const VolumeShift& how, Progress& progress) {
-  double volume = enclosed_volume(level_set);
+  double volume = enclosed_volume(level_set), total = 0;
   const auto is_met = [&] { return std::abs(volume - wanted) <= kTolerance * std::abs(wanted); };
+  if (is_met()) return volume;
+  const Field<float> flowed = level_set.phi;
+  Field<float> later;
   for (int round = 0; round < kRounds && !is_met(); ++round) {
-    const Field<float> from = level_set.phi;
+    const Field<float>& from = round == 0 ? flowed : (later = level_set.phi);
     double s0 = 0, v0 = volume, s1 = volume < wanted ? kFirst : -kFirst;
     bool is_stuck = false;
     for (int step = 0; step < kSteps && !is_met(); ++step) {
@@ -46,7 +49,13 @@ double shift_to_volume(LevelSet& level_set, double wanted, const VolumeShift& ho
       if (next == s1) break;
       if (!is_met()) s1 = next;
     }
-    if (is_stuck || std::abs(s1) < kSlight) break;
+    if (is_stuck) break;
+    total += s1;
+    if (std::abs(total) > how.farthest) {
+      level_set.phi = flowed;
+      return enclosed_volume(level_set);
+    }
+    if (std::abs(s1) < kSlight) break;
     how.redistance();
     how.constrain();
     volume = enclosed_volume(level_set);

@@ -66,16 +66,6 @@ void euler_step(const BasicLevelSet<T>& set, double dt, Field<T>& next, Progress
   });
 }
 
-// Redistancing is a part of a step: it may be interrupted and reports no progress of its own.
-class PartOfStep : public Progress {
- public:
-  explicit PartOfStep(const Progress& whole) : whole_(whole) {}
-  bool cancelled() const override { return whole_.cancelled(); }
-
- private:
-  const Progress& whole_;
-};
-
 }  // namespace
 
 template <class T>
@@ -84,12 +74,13 @@ FlowResult mean_curvature_flow(BasicLevelSet<T>& set, double time, Progress& pro
   RedistanceOptions redistancing;
   redistancing.method = method;
   redistancing.reach = std::min(set.band, kFlowBand);
-  PartOfStep part(progress);
+  QuietProgress part(progress);  // redistancing is part of a step
   if (time <= 0) return result;
   const int steps = static_cast<int>(std::ceil(time / kLargestStep));  // [T-FLOW-3]
   const double dt = time / steps;
   Field<T> next = set.phi;
   for (int step = 1; step <= steps; ++step) {
+    progress.check();
     euler_step(set, dt, next, progress);
     std::swap(set.phi, next);
     if (step % kStepsPerRedistance == 0 || step == steps) {

@@ -21,16 +21,8 @@ constexpr float kLargestCorrection = 0.15f;  // of a step's displacement
 constexpr float kStraight = 16;               // 1 / cell^2: more than the sum of squared curvatures that a lattice can show
 constexpr float kFarthestMove = 3;            // cells a step
 constexpr float kGateWidth = 0.5f;            // of 1 / radius, over which the gate opens
-
-// Redistancing is a part of a step: it may be interrupted and reports no progress of its own.
-class PartOfStep : public Progress {
- public:
-  explicit PartOfStep(const Progress& whole) : whole_(whole) {}
-  bool cancelled() const override { return whole_.cancelled(); }
-
- private:
-  const Progress& whole_;
-};
+constexpr double kLeastFarthestShift = 2;     // cells
+constexpr double kShiftPerMove = 2;           // a mean displacement is never more than its rms; curvature changes the area on the way
 
 // A principal curvature at the closest point of a node, from that of the level set through the node. [T-SMOOTH-8]
 float at_foot(float curvature, float phi) { return curvature / std::clamp(1 - phi * curvature, 0.5f, 2.0f); }
@@ -60,7 +52,7 @@ class Smoothing {
       flow(plan);
     result_.volume_after = enclosed_volume(set_);
     if (options_.keep_volume)
-      result_.volume_after = shift_to_volume(set_, result_.volume_before, {options_.mobility, [&] { redistance_surface(); }, [&] { constrain(); }}, progress_);
+      result_.volume_after = shift_to_volume(set_, result_.volume_before, volume_shift(), progress_);
     result_.rms_moved = rms_moved(set_.phi);
     return result_;
   }
@@ -72,6 +64,7 @@ class Smoothing {
     SurfaceDiffusion diffusion(set_);
     double before = 0;
     for (int step = 1; step <= plan.steps && !result_.reached_target; ++step) {
+      progress_.check();
       const Field<float> last = options_.target_rms ? set_.phi : Field<float>();
       displace(diffusion, plan);  // [T-SMOOTH-1]
       redistance_surface();
@@ -173,6 +166,7 @@ class Smoothing {
     options.accepted = &none;
     options.steady = 0;
     for (int step = 0; step < plan.steps && !result_.reached_target; step += options.most_steps) {
+      progress_.check();
       options.most_steps = std::min(kStepsAtOnce, plan.steps - step);
       redistance(set_, options, part_);
       constrain();
@@ -181,6 +175,15 @@ class Smoothing {
       result_.reached_target = options_.target_rms && rms_moved(set_.phi) >= *options_.target_rms;
       progress_.update(static_cast<double>(result_.steps) / plan.steps);
     }
+  }
+
+  VolumeShift volume_shift() { return {farthest_shift(), options_.mobility, [&] { redistance_surface(); }, [&] { constrain(); }}; }
+
+  // What makes up for the flow is no farther than what the flow has done, unless a part of the surface has vanished. [T-SMOOTH-9]
+  double farthest_shift() const {
+    const double half = 0.5 * options_.length, moved = rms_moved(set_.phi);
+    const bool is_known = moved < 0.5 * set_.band;  // phi0 ends at the band
+    return std::max(kLeastFarthestShift, is_known ? std::min(half, kShiftPerMove * moved) : half);
   }
 
   void constrain() {
@@ -223,7 +226,7 @@ class Smoothing {
   LevelSet& set_;
   const SmoothingOptions& options_;
   Progress& progress_;
-  PartOfStep part_;
+  QuietProgress part_;  // of a step, as redistancing is
   const double reach_;
   const Field<float> start_;
   Field<std::uint8_t> fixed_;

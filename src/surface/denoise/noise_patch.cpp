@@ -107,17 +107,16 @@ PointGraph point_graph(const TriangleSoup& soup, const EdgeTable& edges) {
 }
 
 std::span<const std::uint32_t> PatchCollector::collect(std::uint32_t center, std::size_t at_least, double radius, const std::vector<Vec3>& points) {
-  ++patch_;
+  seen_.clear();
   members_.assign(1, center);
-  seen_[center] = patch_;
+  seen_.insert(center);
   std::size_t ring_begin = 0;
   for (int ring = 1;; ++ring) {
     const std::size_t ring_end = members_.size();
     double reach = 0;
     for (std::size_t i = ring_begin; i < ring_end && members_.size() < kMost; ++i)
       for (const std::uint32_t q : graph_.neighbors(members_[i])) {
-        if (seen_[q] == patch_) continue;
-        seen_[q] = patch_;
+        if (!seen_.insert(q)) continue;
         members_.push_back(q);
         reach += norm(points[q] - points[center]);
         if (members_.size() == kMost) break;

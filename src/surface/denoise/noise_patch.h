@@ -10,6 +10,7 @@
 
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/triangle_soup.h"
+#include "stamped_set.h"
 
 namespace burnish {
 
@@ -25,10 +26,10 @@ struct PointGraph {
 
 PointGraph point_graph(const TriangleSoup& soup, const EdgeTable& edges);
 
-// The points around one, ring by ring. Reused from point to point: collecting costs what is collected.
+// The points around one, ring by ring. Reused from point to point. Collecting costs what is collected, and making a collector does not depend on the surface.
 class PatchCollector {
  public:
-  explicit PatchCollector(const PointGraph& graph) : graph_(graph), seen_(graph.irregular.size(), 0) {}
+  explicit PatchCollector(const PointGraph& graph) : graph_(graph) {}
 
   // The centre first, then rings of neighbours: at least two, more until there are `at_least` points and the last ring is farther than `radius` from
   // the centre on average; never more than kMost points.
@@ -37,8 +38,7 @@ class PatchCollector {
 
  private:
   const PointGraph& graph_;
-  std::vector<std::uint32_t> seen_;  // the number of the last patch that holds the point
-  std::uint32_t patch_ = 0;
+  denoising::StampedSet<512> seen_;  // the members
   std::vector<std::uint32_t> members_;
 };
 

@@ -6,6 +6,7 @@
 
 #include "burnish/core/parallel.h"
 #include "disc_fit.h"
+#include "stamped_set.h"
 
 namespace burnish::denoising {
 namespace {
@@ -23,30 +24,6 @@ constexpr double kEdgePerRootArea = 1.5196713713031853;  // of equilateral trian
 constexpr std::size_t kClusterFacets = 32;
 constexpr double kClusterReach = 2;          // local edges
 constexpr std::size_t kMostFacets = 4000;      // that a cluster looks at
-
-// A set of small numbers that is emptied in no time.
-class StampedSet {
- public:
-  void clear() {
-    if (++stamp_ == 0) {
-      std::fill(stamps_.begin(), stamps_.end(), 0);
-      stamp_ = 1;
-    }
-  }
-  bool insert(std::uint32_t key) {
-    std::size_t at = (key * 2654435761u >> 7) & kMask;
-    while (stamps_[at] == stamp_ && keys_[at] != key) at = (at + 1) & kMask;
-    if (stamps_[at] == stamp_) return false;
-    stamps_[at] = stamp_;
-    keys_[at] = key;
-    return true;
-  }
-
- private:
-  static constexpr std::size_t kMask = 16383;
-  std::vector<std::uint32_t> stamps_ = std::vector<std::uint32_t>(kMask + 1, 0), keys_ = std::vector<std::uint32_t>(kMask + 1, 0);
-  std::uint32_t stamp_ = 0;
-};
 
 struct Frame {
   Vec3 origin, u, v, n;
@@ -204,7 +181,7 @@ class Surroundings {
       sights_.push_back({scene.points[p], scene.noisy[p], scene.side[s], static_cast<double>(scene.options.trust[p]), s != scene.first_side[p]});
   }
 
-  StampedSet seen_facets_, seen_points_;
+  StampedSet<16384> seen_facets_, seen_points_;
   std::vector<std::uint32_t> waiting_, beyond_;
   std::uint32_t seed_ = 0;
   std::size_t facets_ = 0;

@@ -44,7 +44,9 @@ struct SmoothingOptions {
   // standard deviation. Met to a few per cent, as the last step is taken in part (reinit: by 25 steps). [T-SMOOTH-10]
   std::optional<double> target_rms;
   std::optional<double> deviation;  // cells: |phi - phi0| stays at most this at every node; wins over the volume [T-FLOW-5]
-  bool keep_volume = true;          // to 1e-6 of it [T-SMOOTH-9]
+  // To 1e-6 of it, by a shift of at most max(2 cells, min(length / 2, twice the rms that the flow has moved the surface by)); that rms counts while it is
+  // below half a band. If it takes more, a part of the surface has vanished: nothing is shifted, the rest stays as the flow has left it. [T-SMOOTH-9]
+  bool keep_volume = true;
   // cells; > 0: what has no principal radius of curvature below this rests, what has one below 2/3 of it moves freely; in between smoothly. Curvatures are those after
   // a diffusion of 0.84 cells^2. For mcf, volume, filtered. [T-SMOOTH-8]
   double curvature_radius = 0;
@@ -59,7 +61,7 @@ struct SmoothingResult {
   int steps = 0;             // each ends with a redistancing (of reinit: is one step of the PDE)
   int unsteady = 0;          // redistancings by a PDE that ended before they were steady
   double volume_before = 0;  // of the zero surface, in cells cubed, as enclosed_volume
-  double volume_after = 0;   // keep_volume: as before, unless the deviation, mobility, or a surface that has vanished forbids
+  double volume_after = 0;   // keep_volume: as before, unless the deviation, mobility, or a part of the surface that has vanished forbids
   double rms_moved = 0;      // of phi - phi0 at nodes within half a cell of the surface, in cells; phi0 as far as it was known
   bool reached_target = false;
 };
@@ -75,7 +77,7 @@ inline constexpr double kFlowBand = 5;
 // Smooths the surface of a level set whose blocks are finest within its band and the room, and whose phi is a distance within the band. Afterwards phi
 // is one up to min(band, kFlowBand) cells, but for the last shift of less than 0.1 cells that keeps the volume, and for what a deviation clamps.
 //
-// Same bits for any number of threads. Reports its fraction after each step. Throws Error{interrupted}.
+// Same bits for any number of threads. Reports its fraction after each step. Throws Error{interrupted, time_limit}.
 SmoothingResult smooth(LevelSet& level_set, const SmoothingOptions& options, Progress& progress = no_progress());
 
 }  // namespace burnish
