@@ -113,7 +113,8 @@ class SweepCommand : public Command {
     if (!report_path_.empty() && std::any_of(steps_.begin(), steps_.end(), [&](const SweepStep& s) { return same_file(s.output, report_path_); }))
       throw Error(ErrorCode::usage, fmt::format("{}: --report and -o name the same file", report_path_));
     for (const SweepStep& step : steps_) {
-      if (step.smooth.unit != steps_.front().smooth.unit) throw Error(ErrorCode::usage, "--smooth: lengths of a sweep are all in the same unit", "");
+      if ((step.smooth.unit == LengthUnit::cells) != (steps_.front().smooth.unit == LengthUnit::cells))
+        throw Error(ErrorCode::usage, "--smooth: either all lengths of a sweep are in cells, or none is", "");
       job_.options.smooth = step.smooth;
       burnish::require_consistent(job_.options);
     }

@@ -210,7 +210,7 @@ def auto_drops_fragments_and_puts_spikes_back(box):
     ball = sphere(24, 1.0)
     spike = ball[777][0]
     away = tuple(1.3 * c for c in spike)
-    stray = [tuple(tuple(1.5 + 0.005 * c for c in p) for p in t) for t in models.cube()]
+    stray = [tuple(tuple(1.5 + 0.005 * c for c in p) for p in t) for t in models.cube()[:-1]]  # open: dirt, not a part
     spiked = [tuple(away if p == spike else p for p in t) for t in ball]
     box.write("s.stl", models.binary_stl(spiked + stray))
     report = valid_report(box, ["s.stl", "-o", "x.stl", "--smooth", "auto"])
@@ -220,7 +220,7 @@ def auto_drops_fragments_and_puts_spikes_back(box):
     expect(abs(smoothing["max_moved"] - 0.3) < 0.01, f"moved by {smoothing['max_moved']}")
     expect(report["actions"]["fragments_dropped"] == 1 and report["after"]["components"] == 1, f"{report['actions']}")
     dropped = [c for c in report["components"]["largest"] if c["fate"] == "dropped"]
-    expect([(c["reason"], c["facets"]) for c in dropped] == [("a stray fragment", 12)], f"{dropped}")
+    expect([(c["reason"], c["facets"]) for c in dropped] == [("a stray fragment", 11)], f"{dropped}")
     before, after = points_of(read(box, "s.stl")), points_of(read(box, "x.stl"))
     new = after - before
     expect(len(new) == 1 and math.dist(new.pop(), spike) < 0.01, "the spike is not back on the ball")
@@ -228,7 +228,10 @@ def auto_drops_fragments_and_puts_spikes_back(box):
     # Without --smooth auto nobody asked for either.
     kept = valid_report(box, ["s.stl", "-o", "y.stl"])
     expect(kept["actions"]["fragments_dropped"] == 0 and kept["after"]["components"] == 2, f"{kept['actions']}")
-    expect(read(box, "y.stl") == read(box, "s.stl"), "it was valid as it was")
+    # Of a valid solid each part is one, however small.
+    box.write("two.stl", models.binary_stl(ball + [tuple(tuple(1.5 + 0.005 * c for c in p) for p in t) for t in models.cube()]))
+    valid_report(box, ["two.stl", "-o", "z.stl", "--smooth", "auto"])
+    expect(read(box, "z.stl") == read(box, "two.stl"), "it was valid as it was")
 
 
 # --- what is chosen -----------------------------------------------------------------------------------
@@ -246,7 +249,7 @@ def modes_follow_from_what_is_given(box):
         ("ball.noisy.stl", ["--smooth", "0.3", *QUICK], "volume", "levelset", "a level set was asked for"),
         ("ball.noisy.stl", ["--smooth", "0.3", "--deviation", "1h", *QUICK], "volume", "levelset", "cells"),
         ("ball.noisy.stl", ["--smooth", "auto", "--mode", "volume", *QUICK], "volume", "levelset", "asked for"),
-        ("ball.stl", ["--smooth", "0.2", "--resolution", "40"], "volume", "levelset", "few creases"),
+        ("ball.stl", ["--smooth", "0.2", "--resolution", "40"], "volume", "levelset", "a level set was asked for"),
         ("ball.stl", ["--smooth", "0.2", "--curvature-radius", "0.5", *QUICK], "mcf", "levelset", "radius"),
         ("ball.stl", ["--smooth", "0.2", "--mode", "feature"], "feature", "local", "asked for"),
     )
