@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numbers>
 #include <set>
 
 #include "burnish/core/parallel.h"
@@ -90,6 +91,33 @@ TEST(Outliers, ASpikeOfOnePointIsFound) {
   EXPECT_NEAR(outliers[0].distance, 1, 1e-9);
   clamp_outliers(outliers, soup);
   for (const Vec3& p : soup.points) EXPECT_NEAR(p.z, 0, 1e-9);
+}
+
+// Rings of 3000 points around two apexes: rows longer than what is looked at of them.
+TEST(Outliers, BesideFansOfThousandsOfFacets) {
+  constexpr std::uint32_t kAround = 3000, kRings = 5;
+  TriangleSoup soup;
+  const auto at = [&](std::uint32_t ring, std::uint32_t i) { return ring * kAround + i % kAround; };
+  for (std::uint32_t ring = 0; ring < kRings; ++ring)
+    for (std::uint32_t i = 0; i < kAround; ++i) {
+      const double angle = 2 * std::numbers::pi * i / kAround;
+      soup.points.push_back({std::cos(angle), std::sin(angle), 2 * std::numbers::pi / kAround * ring});
+    }
+  const std::uint32_t bottom = kRings * kAround, top = bottom + 1;
+  soup.points.push_back({0, 0, soup.points.front().z});
+  soup.points.push_back({0, 0, soup.points[bottom - 1].z});
+  for (std::uint32_t i = 0; i < kAround; ++i) {
+    soup.facets.push_back({bottom, at(0, i + 1), at(0, i)});
+    soup.facets.push_back({top, at(kRings - 1, i), at(kRings - 1, i + 1)});
+    for (std::uint32_t ring = 0; ring + 1 < kRings; ++ring) {
+      soup.facets.push_back({at(ring, i), at(ring, i + 1), at(ring + 1, i + 1)});
+      soup.facets.push_back({at(ring, i), at(ring + 1, i + 1), at(ring + 1, i)});
+    }
+  }
+  EXPECT_TRUE(find_outliers(soup, {}).empty());
+  const std::uint32_t spike = at(2, 1000);
+  soup.points[spike] = soup.points[spike] * 1.01;
+  EXPECT_EQ(points_of(find_outliers(soup, {})), std::set<std::uint32_t>{spike});
 }
 
 TEST(Outliers, AreTheSameForAnyNumberOfThreadsAndScale) {

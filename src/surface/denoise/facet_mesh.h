@@ -43,7 +43,7 @@ struct FacetGeometry {
   std::vector<double> area;
 };
 
-// Of all facets with area; 0 without any.
+// Mean length of the sides of all facets, those without area too; 0 without any.
 double mean_edge(const FacetMesh& mesh, const std::vector<Vec3>& points);
 
 // The direction of v, or `otherwise` where it has none.

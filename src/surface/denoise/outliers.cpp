@@ -10,7 +10,7 @@ namespace burnish {
 namespace {
 
 constexpr double kDeviations = 5, kCandidate = 0.5;
-constexpr std::size_t kPatchPoints = 17, kLeastPoints = 12, kSamples = 4000, kGrain = 4096;
+constexpr std::size_t kPatchPoints = 17, kLeastPoints = 12, kSamples = 4000, kGrain = 4096, kMostAround = 256;
 constexpr int kAbsolutePasses = 4, kBisquarePasses = 3, kRounds = 3;
 constexpr double kBisquare = 4.685, kNormalMad = 1.4826;
 constexpr double kQuarter = 0.25, kQuarterOfNormal = 0.31864;  // |x| < 0.31864 for a quarter of a standard normal distribution
@@ -25,6 +25,16 @@ struct Rule {
 constexpr Rule kWithoutNoise{0.5, 0.15, 1, 1}, kWithNoise{0.2, 0.05, 3, 3};
 
 using Values = std::array<double, PatchCollector::kMost>;
+
+// Calls visit(entry) with all entries of a short row, with at most kMostAround of a longer one, evenly; until it returns true. All points on the rim of a
+// fan ask about its apex: each must not walk around the whole of it.
+template <class Visit>
+bool for_some(std::span<const std::uint32_t> row, Visit&& visit) {
+  const std::size_t step = (row.size() + kMostAround - 1) / kMostAround;
+  for (std::size_t i = 0; i < row.size(); i += step)
+    if (visit(row[i])) return true;
+  return false;
+}
 
 // Facets around each point.
 struct Fans {
@@ -151,8 +161,10 @@ class Search {
     double sum = 0;
     for (const std::uint32_t q : neighbors) {
       double nearest = norm(points_[q] - points_[p]);
-      for (const std::uint32_t r : graph_.neighbors(q))
+      for_some(graph_.neighbors(q), [&](std::uint32_t r) {
         if (r != p) nearest = std::min(nearest, norm(points_[r] - points_[q]));
+        return false;
+      });
       sum += nearest;
     }
     return neighbors.empty() ? 0 : sum / static_cast<double>(neighbors.size());
@@ -162,10 +174,12 @@ class Search {
     if (graph_.irregular[p]) return Verdict::inlier;
     const auto patch = collector.collect(p, kPatchPoints, 0, points_);
     if (patch.size() < kLeastPoints) return Verdict::inlier;
-    const double least = std::max(kDeviations * sigma_, rule_.least_edges * edge_around(p));
     const PatchFit plain = fit_patch(patch, graph_, points_);
     // A residual over 1 - leverage is the distance from the fit of the others.
-    if (!plain.valid || !(std::abs(plain.residual) > kCandidate * least * (1 - plain.leverage))) return Verdict::inlier;
+    const auto is_candidate = [&](double least) { return plain.valid && std::abs(plain.residual) > kCandidate * least * (1 - plain.leverage); };
+    if (!is_candidate(kDeviations * sigma_)) return Verdict::inlier;
+    const double least = std::max(kDeviations * sigma_, rule_.least_edges * edge_around(p));
+    if (!is_candidate(least)) return Verdict::inlier;
     const PatchSystem system = system_at(patch);
     const RobustFit fit = system.valid ? robust_fit(system, sigma_) : RobustFit{};
     const double distance = std::abs(fit.height);
@@ -182,20 +196,19 @@ class Search {
     const bool few = round_ > 0 && suspects <= rule_.suspects;
     std::array<std::uint32_t, 3> passing{};
     std::size_t count = 0;
-    for (const std::uint32_t q : patch.subspan(1))
-      for (const std::uint32_t f : fans_.around(q)) {
-        const Facet& facet = soup_.facets[f];
-        const auto speaks = [&](std::uint32_t corner) {
-          return corner != p && verdict_[corner] != Verdict::outlier && !(few && verdict_[corner] == Verdict::open);
-        };
-        if (!speaks(facet[0]) || !speaks(facet[1]) || !speaks(facet[2])) continue;
-        const Vec3 normal = facet_normal_2a(soup_, f);
-        if (std::abs(dot(points_[p] - soup_.corner(f, 0), normal)) > tolerance * norm(normal)) continue;
-        if (std::find(passing.begin(), passing.begin() + static_cast<std::ptrdiff_t>(count), f) != passing.begin() + static_cast<std::ptrdiff_t>(count)) continue;
-        passing[count++] = f;
-        if (count == rule_.passing) return true;
-      }
-    return false;
+    const auto is_enough = [&](std::uint32_t f) {
+      const Facet& facet = soup_.facets[f];
+      const auto speaks = [&](std::uint32_t corner) {
+        return corner != p && verdict_[corner] != Verdict::outlier && !(few && verdict_[corner] == Verdict::open);
+      };
+      if (!speaks(facet[0]) || !speaks(facet[1]) || !speaks(facet[2])) return false;
+      const Vec3 normal = facet_normal_2a(soup_, f);
+      if (std::abs(dot(points_[p] - soup_.corner(f, 0), normal)) > tolerance * norm(normal)) return false;
+      if (std::find(passing.begin(), passing.begin() + static_cast<std::ptrdiff_t>(count), f) != passing.begin() + static_cast<std::ptrdiff_t>(count)) return false;
+      passing[count++] = f;
+      return count == rule_.passing;
+    };
+    return std::any_of(patch.begin() + 1, patch.end(), [&](std::uint32_t q) { return for_some(fans_.around(q), is_enough); });
   }
 
   // On the fit, below the point; below its neighbours' mean where the point is so far off that a slight tilt would carry it beyond them.
