@@ -30,9 +30,13 @@ DenoiseOptions denoise_options(const SmoothingPlan& plan, const TriangleSoup& so
   return options;
 }
 
-TriangleSoup without_outliers(const TriangleSoup& soup, RepairReport& report) {
+// Within the region and the bound on the deviation, if there are any.
+TriangleSoup without_outliers(const TriangleSoup& soup, const SmoothingPlan& plan, RepairReport& report) {
   TriangleSoup result = soup;
-  const std::vector<Outlier> outliers = find_outliers(soup, report.smoothing.noise);
+  std::vector<Outlier> outliers = find_outliers(soup, report.smoothing.noise);
+  std::erase_if(outliers, [&](const Outlier& o) {
+    return o.distance > report.options.deviation.value_or(HUGE_VAL) || (plan.region && plan.region->mobility(o.position, 0) <= 0);
+  });
   clamp_outliers(outliers, result);
   report.smoothing.outliers = outliers.size();
   for (const Outlier& o : outliers) report.smoothing.max_moved = std::max(report.smoothing.max_moved, o.distance);
@@ -44,7 +48,7 @@ TriangleSoup denoised(const TriangleSoup& soup, const SmoothingPlan& plan, bool 
   report.smoothing.outliers = 0;
   report.smoothing.max_moved = 0;
   DenoiseResult done;
-  done.soup = plan.clamps_outliers ? without_outliers(soup, report) : soup;
+  done.soup = plan.clamps_outliers ? without_outliers(soup, plan, report) : soup;
   if (plan.denoises() && (plan.length > 0 || report.smoothing.noise.noisy())) {
     done = denoise(done.soup, denoise_options(plan, soup, report), progress);
     report.smoothing.outliers += done.outliers;
