@@ -2,19 +2,18 @@
 #include <unistd.h>
 
 #include <filesystem>
-#include <optional>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/timer.h"
 #include "burnish/io/mesh_io.h"
-#include "burnish/io/output_file.h"
 #include "burnish/pipeline/clean.h"
 #include "burnish/pipeline/sweep.h"
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
 #include "report_error.h"
+#include "report_file.h"
 #include "streams.h"
 #include "summary.h"
 #include "values.h"
@@ -53,19 +52,14 @@ class CleanCommand : public Command {
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     const double start = monotonic_seconds();
-    // Created first: a report that cannot be written is to be known before the work, not after it.
-    std::optional<OutputFile> report_file;
-    if (!report_path_.empty()) report_file.emplace(report_path_, job_.overwrite);
+    ReportFile report_file(report_path_, job_.overwrite);
 
     Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
     for (const std::string& name : idle_options(job_.options)) console.warn(name, {"has no effect without --smooth"});
     if (time_limit_ > 0) console.stop_after(time_limit_);
     const RepairReport report = snapshots_.empty() ? clean(job_, console) : clean_with_snapshots(console);
     console.end_stage();
-    if (report_file) {
-      write_text(report_file->fd(), report_path_, to_json(report));
-      report_file->commit();
-    }
+    if (report_file.wanted()) report_file.write(to_json(report));
     console.warn(report.input, report.warnings);
     print(report, monotonic_seconds() - start);
     if (!report.failure) return 0;

@@ -110,11 +110,10 @@ void require_consistent(const CleanOptions& o) {
   if (o.thicken && o.keeps_openings()) refuse("--thicken makes a closed shell: there are no openings to keep", "leave out one of the two");
   if (o.thicken && o.moves_walls()) refuse("--thicken makes a shell of its own, and excludes --offset and --hollow", "do it in two runs");
   if (o.moves_walls() && o.keeps_openings()) refuse("--offset and --hollow need a closed surface: there are no openings to keep", "leave out one of the two");
-  const bool in_cells = o.smooth.unit == LengthUnit::cells || (o.deviation && o.deviation->unit == LengthUnit::cells);
-  if (o.mode == SmoothMode::feature && in_cells) refuse("--mode feature works on facets, which have no cells to measure lengths in", "give them in model units or in percent");
+  if (o.mode == SmoothMode::feature && o.smooths_in_cells()) refuse("--mode feature works on facets, which have no cells to measure lengths in", "give them in model units or in percent");
   if (o.mode == SmoothMode::reinit && (!o.region.empty() || o.curvature_radius))
     refuse("--mode reinit smooths everything: it excludes --region and --curvature-radius", "choose another mode");
-  if (o.method == Method::local && in_cells) refuse("--method local has no cells to measure lengths in", "give them in model units or in percent");
+  if (o.method == Method::local && o.smooths_in_cells()) refuse("--method local has no cells to measure lengths in", "give them in model units or in percent");
   if (o.method == Method::local) {
     const bool flows = o.mode != SmoothMode::automatic && o.mode != SmoothMode::feature;
     const std::string_view clash = o.smooths() && flows ? "--mode" : o.curvature_radius ? "--curvature-radius" : o.offset ? "--offset" : o.hollow ? "--hollow"

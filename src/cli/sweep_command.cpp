@@ -1,18 +1,17 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 #include <set>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/mesh_io.h"
-#include "burnish/io/output_file.h"
 #include "burnish/pipeline/sweep.h"
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
 #include "report_error.h"
+#include "report_file.h"
 #include "streams.h"
 #include "values.h"
 
@@ -46,16 +45,12 @@ class SweepCommand : public Command {
     require_consistent();
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
-    std::optional<OutputFile> report_file;
-    if (!report_path_.empty()) report_file.emplace(report_path_, job_.overwrite);
+    ReportFile report_file(report_path_, job_.overwrite);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
     if (time_limit_ > 0) console.stop_after(time_limit_);
     const std::vector<RepairReport> reports = sweep(job_, steps_, console);
     console.end_stage();
-    if (report_file) {
-      write_text(report_file->fd(), report_path_, json_of(reports));
-      report_file->commit();
-    }
+    if (report_file.wanted()) report_file.write(json_of(reports));
     return tell(reports, console);
   }
 

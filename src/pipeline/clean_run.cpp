@@ -19,7 +19,7 @@ constexpr double kLossCells = 1.5;          // parts of the input farther than t
 
 }  // namespace
 
-CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), region_(base.region_), shared_(base.shared_) {
+CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), region_(base.region_), noise_(base.noise_), shared_(base.shared_) {
   const bool cell_was_chosen = report_.options.cell_was_chosen;
   report_.options = resolve_lengths(job.options, report_.before.box.diagonal());
   report_.options.cell_was_chosen = cell_was_chosen;
@@ -52,7 +52,6 @@ RepairReport CleanRun::take_report() {
   return std::move(report_);
 }
 
-// Cells are those of the shortest length, the band and the room those of the longest.
 void CleanRun::share_level_set(const std::vector<Length>& strengths) {
   plan();
   if (!plan_.flows()) return;
@@ -68,27 +67,32 @@ void CleanRun::share_level_set(const std::vector<Length>& strengths) {
   shared_ = std::make_shared<const BuiltLevelSet>(build_level_set(prepared_, report_, progress_));
 }
 
-// Coarsens a cell that was chosen until the longest length, too, fits the budget.
 void CleanRun::fit_cell_for(const Length& longest) {
-  const bool was_chosen = report_.options.cell_was_chosen;
   options_.smooth = longest;
-  options_.resolution.reset();
-  double cell = report_.options.cell;
-  for (;; cell *= 1.05) {
-    options_.cell = Length{cell, LengthUnit::model};
+  for (double cell = report_.options.cell;; cell *= 1.05) {
     try {
-      resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
-      break;
+      return resolve_with(cell);
     } catch (const Error& error) {
-      if (error.code() != ErrorCode::memory_limit || !was_chosen) throw;
+      if (error.code() != ErrorCode::memory_limit || !report_.options.cell_was_chosen) throw;
     }
   }
-  report_.options.cell_was_chosen = was_chosen;
+}
+
+void CleanRun::resolve_with(double cell) {
+  ResolvedOptions resolved = report_.options;
+  options_.cell = Length{cell, LengthUnit::model};
+  options_.resolution.reset();
+  resolve_cell(options_, prepared_.capped, resolved, report_.warnings);
+  resolved.cell_was_chosen = report_.options.cell_was_chosen;
+  report_.options = resolved;
 }
 
 void CleanRun::plan() {
-  if (job_.options.smooths()) begin("estimating noise");
-  plan_ = plan_smoothing(job_.options, region_, prepared_, report_);
+  if (job_.options.smooths()) {
+    begin("estimating noise");
+    if (!noise_) noise_ = estimate_noise(prepared_.oriented);
+    plan_ = plan_smoothing(job_.options, *noise_, region_, prepared_, report_);
+  }
   options_ = with_plan(job_.options, plan_);
 }
 
@@ -156,9 +160,8 @@ bool CleanRun::verify_local(const LocalSolution& solution, std::string& why_not)
   return report_.verified;
 }
 
-// The bound on the deviation is one from the surface before it was smoothed.
 void CleanRun::hold_deviation(const TriangleSoup& repaired, double slack) {
-  if (!report_.options.deviation || plan_.mode == SmoothMode::automatic) return;
+  if (!report_.options.deviation || !plan_.smooths()) return;
   report_.smoothing.deviation = std::max(one_sided_distance(result_, TriangleIndex(repaired)).max, one_sided_distance(repaired, TriangleIndex(result_)).max);
   const double bound = *report_.options.deviation;
   if (report_.smoothing.deviation <= bound + slack) return;
@@ -179,10 +182,9 @@ void CleanRun::judge_result() {
   report_.verified = report_.is_sheet ? report_.after.valid_sheet() : report_.after.valid_solid();
 }
 
-// What a local repair that was not taken has left in the report.
 void CleanRun::forget_attempt() {
   RepairActions& a = report_.actions;
-  a.facets_cut = a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_removed = a.facets_added = 0;
+  a.facets_cut = a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_moved = a.facets_removed = a.facets_added = 0;
   a.largest_split = 0;
   report_.changes.clear();
   report_.losses.clear();
@@ -199,11 +201,7 @@ void CleanRun::rebuild() {
   if (options_.deviation) points_before_ = prepared_.capped.soup.points;
   if (plan_.denoises() || plan_.clamps_outliers) denoise_prepared(prepared_, plan_, report_, progress_);
   if (shared_) {
-    const bool was_chosen = report_.options.cell_was_chosen;
-    options_.cell = Length{shared_->level_set.frame.cell, LengthUnit::model};
-    options_.resolution.reset();
-    resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
-    report_.options.cell_was_chosen = was_chosen;
+    resolve_with(shared_->level_set.frame.cell);
   } else {
     if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
     resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
@@ -257,7 +255,6 @@ void CleanRun::extract(const LevelSet& level_set) {
   result_ = output_->take_result();
 }
 
-// Samples of the input beyond options.far_beyond of the result are gathered.
 std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_index, const CompareOptions& options) {
   report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
   progress_.check();
@@ -266,7 +263,6 @@ std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_i
   return far;
 }
 
-// What the level set resolved of the surface before it was denoised or smoothed: facets that bound the solid.
 TriangleSoup CleanRun::surface_of(const std::vector<FacetRole>& roles) const {
   TriangleSoup surface{prepared_.capped.soup.points, {}, {}};
   std::copy(points_before_.begin(), points_before_.begin() + static_cast<std::ptrdiff_t>(std::min(points_before_.size(), surface.points.size())), surface.points.begin());
@@ -287,7 +283,6 @@ void CleanRun::measure(const std::vector<FacetRole>& roles) {
   if (o.deviation && !o.moves_walls() && !report_.failure) hold_deviation(surface_of(roles), o.cell);
 }
 
-// Nothing is lost silently.
 void CleanRun::tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
   std::vector<std::uint32_t> prepared_facet(input_.facets.size(), kNoFacet);
   for (std::uint32_t f = 0; f < prepared_.source.size(); ++f) prepared_facet[prepared_.source[f]] = f;
@@ -298,7 +293,7 @@ void CleanRun::tell_losses(const std::vector<FarSample>& far, const std::vector<
     if (!report_.is_sheet && inside) return std::string(reason(FacetFate::absorbed));
     if (fate != FacetFate::used) return std::string(reason(fate));
     if (role(sample.facet) == FacetRole::unresolved) return "thinner than a cell";
-    return smooths() ? "smoothed away" : "not resolved";
+    return plan_.smooths() ? "smoothed away" : "not resolved";
   });
   // What was dropped, or lies inside, is missing on purpose.
   TriangleSoup wanted{input_.points, {}, {}};
@@ -310,7 +305,7 @@ void CleanRun::tell_losses(const std::vector<FarSample>& far, const std::vector<
   for (ComponentFate& c : report_.components) {
     if (missing.count == 0 || c.fate != "kept" || result_index.closest(c.position, limit * limit).facet != kNoFacet) continue;
     c.fate = "lost";
-    c.reason = smooths() ? "thinner than a cell, or smoothed away" : "thinner than a cell";
+    c.reason = plan_.smooths() ? "thinner than a cell, or smoothed away" : "thinner than a cell";
   }
   warn_of_losses(missing);
 }
@@ -338,7 +333,6 @@ void CleanRun::publish() {
   report_.written = true;
 }
 
-// The result with the input's names and colours: the same facets, in another order.
 void CleanRun::decorate() {
   const bool all_known = !sources_.empty() && std::find(sources_.begin(), sources_.end(), kNoFacet) == sources_.end();
   transfer_attributes(input_, TriangleIndex(all_known ? TriangleSoup{} : input_), result_, sources_);

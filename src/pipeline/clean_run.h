@@ -26,7 +26,8 @@ class CleanRun : private SolidRun {
 
   // Reads the input, creates the output's temporary file, and prepares the input. False if it bounds no solid: the report says why.
   bool open();
-  // Builds a level set that smoothing by any of these lengths can start from, if the level set is to be smoothed.
+  // Builds a level set that smoothing by any of these lengths can start from, if the level set is to be smoothed: cells are those of the shortest
+  // length, the band and the room those of the longest.
   void share_level_set(const std::vector<Length>& strengths);
   // Repairs, smooths, verifies, measures and publishes.
   void run();
@@ -36,7 +37,10 @@ class CleanRun : private SolidRun {
 
  private:
   void take_output(std::unique_ptr<CleanedOutput> output);
+  // Coarsens a cell that was chosen until the longest length, too, fits the budget.
   void fit_cell_for(const Length& longest);
+  // Resolves the rest of the options for this cell, whoever chose it.
+  void resolve_with(double cell);
   // Chooses how to smooth.
   void plan();
 
@@ -60,11 +64,11 @@ class CleanRun : private SolidRun {
   void extract(const LevelSet& level_set);
   // Both ways; returns the samples of the input that are farther than options.far_beyond from the result.
   std::vector<FarSample> measure_deviation(const TriangleIndex& result_index, const CompareOptions& options);
+  // What the level set resolved of the surface before it was denoised or smoothed: facets that bound the solid.
   TriangleSoup surface_of(const std::vector<FacetRole>& roles) const;
   void measure(const std::vector<FacetRole>& roles);
   // Nothing is lost silently.
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit);
-  bool smooths() const { return plan_.mode != SmoothMode::automatic; }
   void warn_of_losses(const MissingComponents& missing);
   void publish();
   // The result with the input's names and colours: the same facets, in another order.
@@ -75,6 +79,7 @@ class CleanRun : private SolidRun {
   SmoothingPlan plan_;
   std::unique_ptr<CleanedOutput> output_;
   std::shared_ptr<const Region> region_;
+  std::optional<NoiseEstimate> noise_;  // of the prepared facets, once it was asked for
   std::shared_ptr<const BuiltLevelSet> shared_;  // before smoothing
   std::vector<Vec3> points_before_;     // of the prepared input, before denoising; where a bound on the deviation was given
   TriangleSoup result_;                 // read back, welded

@@ -21,10 +21,6 @@ constexpr double kExplained = 0.95;                      // of sigma: the rms di
 // What lengths are to be compared with.
 double diagonal_of(const RepairReport& report) { return report.before.box.diagonal(); }
 
-bool in_cells(const CleanOptions& asked) {
-  return asked.smooth.unit == LengthUnit::cells || (asked.deviation && asked.deviation->unit == LengthUnit::cells);
-}
-
 struct Choice {
   SmoothMode mode;
   std::string_view reason;
@@ -35,7 +31,7 @@ Choice chosen_mode(const CleanOptions& asked, const NoiseEstimate& noise) {
   if (asked.mode != SmoothMode::automatic) return {asked.mode, "asked for"};
   if (asked.curvature_radius) return {SmoothMode::mcf, "a radius of curvature was given"};
   if (asked.method == Method::local) return {SmoothMode::feature, "local repair was asked for"};
-  if (in_cells(asked)) return {SmoothMode::volume, "lengths in cells were given"};
+  if (asked.smooths_in_cells()) return {SmoothMode::volume, "lengths in cells were given"};
   if (asked.smooth_auto && !noise.noisy()) return {SmoothMode::feature, "there is no noise, but points far off the surface"};
   if (noise.creased() && !noise.rough_otherwise()) return {SmoothMode::feature, "creases stand out of the noise"};
   if (!reason_against_local(asked, false).empty()) return {SmoothMode::volume, "a level set was asked for"};
@@ -55,10 +51,8 @@ void warn_of_idle_options(const CleanOptions& asked, const SmoothingPlan& plan, 
 
 }  // namespace
 
-SmoothingPlan plan_smoothing(const CleanOptions& asked, std::shared_ptr<const Region> region, const PreparedInput& prepared, RepairReport& report) {
+SmoothingPlan plan_smoothing(const CleanOptions& asked, const NoiseEstimate& noise, std::shared_ptr<const Region> region, const PreparedInput& prepared, RepairReport& report) {
   SmoothingPlan plan;
-  if (!asked.smooths()) return plan;
-  const NoiseEstimate noise = estimate_noise(prepared.oriented);
   report.smoothing.noise = noise;
   // The denoiser gives outliers within noise little weight itself.
   plan.clamps_outliers = asked.smooth_auto && !noise.noisy() && !find_outliers(prepared.oriented, noise).empty();

@@ -23,8 +23,8 @@ struct SmoothingPlan {
   bool flows() const { return mode != SmoothMode::feature && mode != SmoothMode::automatic; }
 };
 
-// Estimates the noise if smoothing is asked for, and chooses the mode. Tells report.smoothing, and warns of options that the mode has no use for.
-SmoothingPlan plan_smoothing(const CleanOptions& asked, std::shared_ptr<const Region> region, const PreparedInput& prepared, RepairReport& report);
+// Chooses the mode for options that ask for smoothing, and `noise`, that of the prepared facets. Tells report.smoothing, and warns of options that the mode has no use for.
+SmoothingPlan plan_smoothing(const CleanOptions& asked, const NoiseEstimate& noise, std::shared_ptr<const Region> region, const PreparedInput& prepared, RepairReport& report);
 
 // The options for the rest of the run: with the length that was chosen, if the level set is to be smoothed.
 CleanOptions with_plan(const CleanOptions& asked, const SmoothingPlan& plan);

@@ -103,6 +103,8 @@ struct CleanOptions {
   bool smooths() const { return smooth_auto || smooth.value > 0; }
   // Whether a surface parallel to the model's is asked for.
   bool moves_walls() const { return offset || hollow; }
+  // Whether smoothing is measured in cells, which facets have none of.
+  bool smooths_in_cells() const { return smooth.unit == LengthUnit::cells || (deviation && deviation->unit == LengthUnit::cells); }
 };
 
 // As resolved, in model units.
