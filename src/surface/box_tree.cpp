@@ -61,6 +61,29 @@ void BoxTree::sort_by_medians(const TriangleSoup& soup) {
   parallel_for(items.size(), [&](std::size_t i) { facets_[i] = items[i].facet; }, kGrain);
 }
 
+void BoxTree::leaves_near(int level, std::size_t node, std::size_t least, std::vector<std::size_t>& leaves) const {
+  struct Node {
+    int level;
+    std::size_t number;
+  };
+  const Box3& query = node_box(level, node);
+  leaves.clear();
+  Node stack[80];
+  int size = 0;
+  stack[size++] = {0, 0};
+  while (size > 0) {
+    const Node at = stack[--size];
+    const std::size_t last_leaf = ((at.number + 1) << (depth_ - at.level)) - 1;
+    if (last_leaf < least || !boxes_meet(query, node_box(at.level, at.number))) continue;
+    if (at.level == depth_) {
+      leaves.push_back(at.number);
+      continue;
+    }
+    stack[size++] = {at.level + 1, 2 * at.number + 1};
+    stack[size++] = {at.level + 1, 2 * at.number};
+  }
+}
+
 void BoxTree::fill_boxes(const TriangleSoup& soup) {
   boxes_.resize(facets_.size());
   parallel_for(boxes_.size(), [&](std::size_t i) { boxes_[i] = facet_box(soup, facets_[i]); }, kGrain);

@@ -6,6 +6,7 @@
 // 2i + 1.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -25,11 +26,11 @@ class BoxTree {
 
   std::size_t leaf_count() const { return std::size_t{1} << depth_; }
 
-  // Calls visit(f, g) for each pair of facets whose boxes meet, the first one in leaf `leaf`, the other in
-  // the same leaf behind it or in a later leaf. Over all leaves: each pair once. Ends early once visit
-  // returns false.
+  // Calls visit(f, g) for each pair of facets whose boxes meet, the first one in a leaf of [begin, end), the other in
+  // the same leaf behind it or in a later leaf. Over all leaves: each pair once, in the same order however they are cut into
+  // ranges. Ends early once visit returns false.
   template <class Visit>
-  void pairs_from_leaf(std::size_t leaf, Visit&& visit) const;
+  void pairs_from_leaves(std::size_t begin, std::size_t end, Visit&& visit) const;
 
  private:
   std::size_t first(int level, std::size_t node) const { return (facets_.size() * node) >> level; }
@@ -39,6 +40,8 @@ class BoxTree {
 
   void sort_by_medians(const TriangleSoup& soup);
   void fill_boxes(const TriangleSoup& soup);
+  // The leaves from `least` on whose boxes meet that of a node, ascending.
+  void leaves_near(int level, std::size_t node, std::size_t least, std::vector<std::size_t>& leaves) const;
   template <class Visit>
   bool pairs_of_leaves(std::size_t a, std::size_t b, Visit&& visit) const;
 
@@ -57,25 +60,19 @@ bool BoxTree::pairs_of_leaves(std::size_t a, std::size_t b, Visit&& visit) const
 }
 
 template <class Visit>
-void BoxTree::pairs_from_leaf(std::size_t leaf, Visit&& visit) const {
-  struct Node {
-    int level;
-    std::size_t number;
-  };
-  const Box3& query = node_box(depth_, leaf);
-  Node stack[80];
-  int size = 0;
-  stack[size++] = {0, 0};
-  while (size > 0) {
-    const auto [level, node] = stack[--size];
-    const std::size_t last_leaf = ((node + 1) << (depth_ - level)) - 1;
-    if (last_leaf < leaf || !boxes_meet(query, node_box(level, node))) continue;
-    if (level == depth_) {
-      if (!pairs_of_leaves(leaf, node, visit)) return;
-      continue;
+void BoxTree::pairs_from_leaves(std::size_t begin, std::size_t end, Visit&& visit) const {
+  // Leaves of a small subtree have nearly the same neighbours: one descent finds them for all.
+  const int up = std::min(depth_, 4);
+  std::vector<std::size_t> near;
+  std::size_t group = leaf_count();
+  for (std::size_t leaf = begin; leaf < end; ++leaf) {
+    if (leaf >> up != group) {
+      group = leaf >> up;
+      leaves_near(depth_ - up, group, leaf, near);
     }
-    stack[size++] = {level + 1, 2 * node + 1};
-    stack[size++] = {level + 1, 2 * node};
+    const Box3& box = node_box(depth_, leaf);
+    for (const std::size_t other : near)
+      if (other >= leaf && boxes_meet(box, node_box(depth_, other)) && !pairs_of_leaves(leaf, other, visit)) return;
   }
 }
 

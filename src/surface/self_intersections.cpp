@@ -140,14 +140,13 @@ template <class Proceed>
 void collect(const TriangleSoup& soup, const BoxTree& tree, std::size_t begin, std::size_t end,
              std::vector<Pair>& pairs, Proceed&& proceed) {
   bool more = true;
-  for (std::size_t leaf = begin; leaf < end && more; ++leaf)
-    tree.pairs_from_leaf(leaf, [&](std::uint32_t f, std::uint32_t g) {
-      if (facets_meet(soup, f, g)) {
-        pairs.push_back({std::min(f, g), std::max(f, g)});
-        more = proceed();
-      }
-      return more;
-    });
+  tree.pairs_from_leaves(begin, end, [&](std::uint32_t f, std::uint32_t g) {
+    if (facets_meet(soup, f, g)) {
+      pairs.push_back({std::min(f, g), std::max(f, g)});
+      more = proceed();
+    }
+    return more;
+  });
 }
 
 // The pairs of all leaves, unless there are more than max_pairs.
