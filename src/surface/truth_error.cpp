@@ -4,27 +4,18 @@
 #include <limits>
 
 #include "burnish/core/parallel.h"
-#include "burnish/surface/edge_table.h"
+#include "burnish/surface/creases.h"
 
 namespace burnish {
 namespace {
 
 constexpr std::size_t kGrain = 256;
 
-bool is_crease(const TriangleSoup& welded, const EdgeTable& table, std::size_t edge, double degrees) {
-  const auto uses = table.uses(edge);
-  if (uses.size() != 2) return false;
-  const Vec3 m = facet_normal_2a(welded, uses[0].facet), n = facet_normal_2a(welded, uses[1].facet);
-  return m != Vec3{} && n != Vec3{} && angle_in_degrees(m, n) > degrees;
-}
-
 // Closest points of a triangle without area are those of its longest edge.
 TriangleSoup folded_creases(const TriangleSoup& welded, double degrees) {
-  const EdgeTable table(welded);
   TriangleSoup folded;
   folded.points = welded.points;
-  for (std::size_t e = 0; e < table.size(); ++e)
-    if (is_crease(welded, table, e, degrees)) folded.facets.push_back({table.edge(e)[0], table.edge(e)[1], table.edge(e)[1]});
+  for (const CreaseEdge& e : find_creases(welded, {.angle = degrees}).edges) folded.facets.push_back({e.points[0], e.points[1], e.points[1]});
   return folded;
 }
 
