@@ -53,12 +53,12 @@ TEST(CreaseEdges, OfACoarseSphereDependOnTheAngle) {
   EXPECT_EQ(CreaseEdges(icosphere(0), 42).count(), 0u);
 }
 
-TEST(CreaseEdges, RimsAndFacetsWithoutAreaAreNone) {
+TEST(CreaseEdges, RimsAreNoneAndFacetsWithoutAreaHideNone) {
   TriangleSoup sliver = valley(0);
   EXPECT_EQ(CreaseEdges(sliver, 30).count(), 1u);
   EXPECT_EQ(CreaseEdges(sliver, 30).length(), 1);
-  sliver.points[5] = sliver.points[1];
-  EXPECT_EQ(CreaseEdges(sliver, 30).count(), 0u);
+  sliver.points[5] = sliver.points[1];  // takes the normal of the facet behind it
+  EXPECT_EQ(CreaseEdges(sliver, 30).count(), 1u);
 }
 
 TEST(TruthError, OfTheTruthItselfIsNone) {

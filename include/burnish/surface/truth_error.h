@@ -19,8 +19,7 @@
 
 namespace burnish {
 
-// The edges of a surface at which it has a crease: two facets meet there, under more than a given angle between their normals. Rims and
-// edges of more than two facets are none. Edges beside a facet without area are none either.
+// The edges of a surface at which it has a crease, as `find_creases` finds them, with an index to ask how near one is.
 class CreaseEdges {
  public:
   // `welded`: as `weld` returns it, oriented. `degrees`: 0 to 180.
