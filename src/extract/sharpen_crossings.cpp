@@ -1,0 +1,215 @@
+// Where the creases of S cross M's edges, and which vertices of M become corners and crease vertices.
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <tuple>
+#include <unordered_map>
+#include <utility>
+
+#include "burnish/surface/triangle_index.h"
+#include "sharpen_mesh.h"
+
+namespace burnish::detail {
+namespace {
+
+constexpr double kSnapRatio = 0.35;       // of the way to the neighbour
+constexpr double kSnapDistance = 0.25;    // cells
+constexpr double kStrayDistance = 0.75;   // cells: a crease that does not part the two sheets is that of a strip narrower than the edge
+constexpr double kOffJunction = 1;        // cells that a corner's vertex may be farther away for touching three sheets
+constexpr double kLeastSine = 0.25;       // of a facet between three crease vertices
+constexpr int kProjections = 3;
+
+double distance(const Vec3& a, const Vec3& b) { return norm(a - b); }
+
+double along_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const double length = squared_norm(b - a);
+  return length > 0 ? std::clamp(dot(p - a, b - a) / length, 0.0, 1.0) : 0;
+}
+
+class Embedding {
+ public:
+  Embedding(SharpenMesh& mesh, const ReferenceSurface& s, const SharpenOptions& options) : mesh_(mesh), s_(s), options_(options) {}
+
+  std::vector<Crossing> run(Progress& progress) {
+    find_near_vertices();
+    progress.check();
+    find_crossings();
+    progress.check();
+    if (!near_.empty()) {
+      place_corners();
+      snap_vertices();
+    }
+    std::erase_if(crossings_, [&](const Crossing& c) { return is_settled(c); });
+    return std::move(crossings_);
+  }
+
+ private:
+  void find_near_vertices() {
+    std::vector<std::uint8_t> near(mesh_.start.size(), 0);
+    parallel_for(near.size(), [&](std::size_t v) {
+      near[v] = mesh_.sheet[v] != kNoFacet && s_.closest_on_creases(mesh_.target[v], options_.crease_reach).found();
+    });
+    is_near_ = std::move(near);
+    for (std::uint32_t v = 0; v < is_near_.size(); ++v)
+      if (is_near_[v]) near_.push_back(v);
+    for (std::uint32_t f = 0; f < mesh_.facets.size(); ++f) {
+      const Facet& c = mesh_.facets[f];
+      if (is_near_[c[0]] + is_near_[c[1]] + is_near_[c[2]] >= 2) near_facets_.push_back(f);
+    }
+  }
+
+  // The crease between the sheets of u and v, where it is nearest to the segment between their targets. [T-SHARP-2]
+  bool crosses(std::uint32_t u, std::uint32_t v, Crossing& crossing) const {
+    const std::uint32_t f = mesh_.sheet[u], g = mesh_.sheet[v];
+    if (f == g) return false;
+    const Vec3 &a = mesh_.target[u], &b = mesh_.target[v];
+    Vec3 p = (a + b) * 0.5;
+    if (s_.connected(f, g, p, 0.6 * distance(a, b) + 0.1)) return false;
+    ReferenceSurface::Foot foot;
+    for (int round = 0; round < kProjections; ++round) {
+      foot = s_.closest_between(p, options_.crease_reach, f, g);
+      if (!foot.found()) return false;
+      p = a + (b - a) * along_segment(foot.point, a, b);
+    }
+    if (!s_.parts(foot.facet, f, g) && distance(foot.point, p) > kStrayDistance) return false;
+    crossing = {{u, v}, foot.point};
+    return true;
+  }
+
+  // Each edge of a closed oriented surface is run upwards by one facet.
+  void find_crossings() {
+    std::vector<std::array<std::uint32_t, 2>> edges;
+    for (const std::uint32_t f : near_facets_)
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t u = mesh_.facets[f][i], v = mesh_.facets[f][(i + 1) % 3];
+        if (u < v && is_near_[u] && is_near_[v]) edges.push_back({u, v});
+      }
+    parallel_sort(edges);
+    std::vector<Crossing> found(edges.size());
+    parallel_for(edges.size(), [&](std::size_t e) { crosses(edges[e][0], edges[e][1], found[e]); }, 64);
+    std::erase_if(found, [](const Crossing& c) { return c.points[0] == c.points[1]; });
+    crossings_ = std::move(found);
+    for (std::uint32_t c = 0; c < crossings_.size(); ++c)
+      for (const std::uint32_t v : crossings_[c].points) at_vertex_[v].push_back(c);
+    for (const std::uint32_t f : near_facets_)
+      for (const std::uint32_t v : mesh_.facets[f]) around_[v].push_back(f);
+  }
+
+  bool is_settled(const Crossing& c) const { return mesh_.on_crease(c.points[0]) || mesh_.on_crease(c.points[1]); }
+  const Crossing* crossing_of(std::uint32_t u, std::uint32_t v) const {
+    const auto at = at_vertex_.find(u);
+    if (at == at_vertex_.end()) return nullptr;
+    for (const std::uint32_t c : at->second)
+      if (crossings_[c].points[0] == v || crossings_[c].points[1] == v) return &crossings_[c];
+    return nullptr;
+  }
+  bool is_junction(std::uint32_t f) const {
+    const Facet& c = mesh_.facets[f];
+    return crossing_of(c[0], c[1]) && crossing_of(c[1], c[2]) && crossing_of(c[2], c[0]);
+  }
+  bool touches_junction(std::uint32_t v) const {
+    const auto at = around_.find(v);
+    if (at == around_.end()) return false;
+    return std::any_of(at->second.begin(), at->second.end(), [&](std::uint32_t f) { return is_junction(f); });
+  }
+
+  // The nearest pairs first, every corner and every vertex once. Three chains meet at a facet of three sheets, if there is one.
+  void place_corners() {
+    TriangleSoup points;
+    for (std::uint32_t i = 0; i < near_.size(); ++i) {
+      points.points.push_back(mesh_.start[near_[i]]);
+      points.facets.push_back({i, i, i});
+    }
+    const TriangleIndex index(points);
+    const std::vector<std::uint32_t>& corners = s_.creases().corners;
+    using Pair = std::tuple<double, std::uint32_t, std::uint32_t>;  // cost, corner, vertex
+    std::vector<Pair> pairs;
+    std::vector<std::uint32_t> near;
+    for (std::uint32_t i = 0; i < corners.size(); ++i) {
+      const Vec3& corner = s_.soup().points[corners[i]];
+      near.clear();
+      index.facets_near(corner, options_.crease_reach * options_.crease_reach, near);
+      for (const std::uint32_t n : near) {
+        const std::uint32_t v = near_[n];
+        const double away = distance(mesh_.start[v], corner);
+        if (away > options_.crease_reach || !s_.sheet_meets_corner(mesh_.sheet[v], i)) continue;
+        pairs.push_back({away + (s_.sheets_at_corner(i) > 2 && !touches_junction(v) ? kOffJunction : 0), i, v});
+      }
+    }
+    std::sort(pairs.begin(), pairs.end());
+    std::vector<char> placed(corners.size(), 0);
+    for (const auto& [cost, corner, v] : pairs) {
+      if (placed[corner] || mesh_.on_crease(v)) continue;
+      placed[corner] = 1;
+      mesh_.kind[v] = SharpenedKind::corner;
+      mesh_.target[v] = s_.soup().points[corners[corner]];
+    }
+  }
+
+  bool is_encircled(std::uint32_t v) const {
+    const auto at = around_.find(v);
+    return at != around_.end() && at_vertex_.at(v).size() == at->second.size();
+  }
+
+  // A facet whose vertices are all on creases lies between them, and must be one to keep.
+  bool may_snap(std::uint32_t v, const Vec3& to) const {
+    for (const std::uint32_t f : around_.at(v)) {
+      std::array<Vec3, 3> x;
+      bool all = true;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t w = mesh_.facets[f][i];
+        all = all && (w == v || mesh_.on_crease(w));
+        x[i] = w == v ? to : mesh_.target[w];
+      }
+      if (all && least_sine(x[0], x[1], x[2]) < kLeastSine) return false;
+    }
+    return true;
+  }
+
+  // The vertices nearest to their crossings first; those with nothing but crossings around them before all others. [T-SHARP-3]
+  void snap_vertices() {
+    struct Wish {
+      double key;
+      std::uint32_t vertex, crossing;
+      bool operator<(const Wish& o) const { return std::tie(key, vertex, crossing) < std::tie(o.key, o.vertex, o.crossing); }
+    };
+    std::vector<Wish> wishes;
+    for (std::uint32_t c = 0; c < crossings_.size(); ++c) {
+      const auto& [points, at] = crossings_[c];
+      const double a = distance(mesh_.target[points[0]], at), b = distance(mesh_.target[points[1]], at);
+      for (std::size_t i = 0; i < 2; ++i) {
+        const double own = i == 0 ? a : b, ratio = a + b > 0 ? own / (a + b) : 0;
+        const bool encircled = is_encircled(points[i]);
+        if (encircled || ratio < kSnapRatio || own < kSnapDistance) wishes.push_back({encircled ? -1 : std::min(ratio, own), points[i], c});
+      }
+    }
+    std::sort(wishes.begin(), wishes.end());
+    for (const Wish& w : wishes) {
+      const Crossing& c = crossings_[w.crossing];
+      if (is_settled(c)) continue;
+      const ReferenceSurface::Foot foot =
+          s_.closest_between(mesh_.target[w.vertex], options_.crease_reach, mesh_.sheet[c.points[0]], mesh_.sheet[c.points[1]]);
+      if (!foot.found() || !may_snap(w.vertex, foot.point)) continue;
+      mesh_.kind[w.vertex] = SharpenedKind::crease;
+      mesh_.target[w.vertex] = foot.point;
+    }
+  }
+
+  SharpenMesh& mesh_;
+  const ReferenceSurface& s_;
+  const SharpenOptions& options_;
+  std::vector<std::uint8_t> is_near_;        // per vertex
+  std::vector<std::uint32_t> near_;          // vertices
+  std::vector<std::uint32_t> near_facets_;
+  std::vector<Crossing> crossings_;
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_vertex_;  // crossings
+  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around_;     // near facets
+};
+
+}  // namespace
+
+std::vector<Crossing> embed_creases(SharpenMesh& mesh, const ReferenceSurface& s, const SharpenOptions& options, Progress& progress) {
+  return Embedding(mesh, s, options).run(progress);
+}
+
+}  // namespace burnish::detail
