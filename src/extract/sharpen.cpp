@@ -102,8 +102,11 @@ SharpenedSurface sharpen(const TriangleSoup& m, const ReferenceSurface& s, const
     cut_edges(mesh, crossings);
     cut = crossings.size();
   }
-  std::vector<Vec3> points = moved_points(mesh, s, progress);
+  // Most facets that moving turns over are those of slivers, and gone once these are improved; only what is left is taken back.
+  std::vector<Vec3> points = mesh.target;
   if (options.improve) improve_shape(mesh, points, s, progress);
+  const bool complete = take_back(mesh, points, s, progress);
+  if (options.improve && !complete) improve_shape(mesh, points, s, progress);
   SharpenedSurface result = collected(std::move(mesh), std::move(points));
   result.cut = cut;
   return result;

@@ -151,6 +151,24 @@ class Embedding {
     return at != around_.end() && at_vertex_.at(v).size() == at->second.size();
   }
 
+  // What v's neighbours lie on must reach the crease: smooth ones are on one of its two sheets, others on a crease that shares one.
+  bool fits_around(std::uint32_t v, std::uint32_t crease) const {
+    const auto& own = s_.creases().edges[crease].facets;
+    const auto meets = [&](std::uint32_t f) { return s_.sheet(f) == s_.sheet(own[0]) || s_.sheet(f) == s_.sheet(own[1]); };
+    for (const std::uint32_t f : around_.at(v))
+      for (const std::uint32_t w : mesh_.facets[f]) {
+        if (w == v || mesh_.stays(w) || mesh_.kind[w] == SharpenedKind::corner) continue;
+        if (mesh_.kind[w] == SharpenedKind::smooth ? meets(mesh_.sheet[w]) : meets_either(crease_of_.at(w), meets)) continue;
+        return false;
+      }
+    return true;
+  }
+  template <class Meets>
+  bool meets_either(std::uint32_t crease, Meets&& meets) const {
+    const auto& f = s_.creases().edges[crease].facets;
+    return meets(f[0]) || meets(f[1]);
+  }
+
   // A facet whose vertices are all on creases lies between them, and must be one to keep.
   bool may_snap(std::uint32_t v, const Vec3& to) const {
     for (const std::uint32_t f : around_.at(v)) {
@@ -189,9 +207,10 @@ class Embedding {
       if (is_settled(c)) continue;
       const ReferenceSurface::Foot foot =
           s_.closest_between(mesh_.target[w.vertex], options_.crease_reach, mesh_.sheet[c.points[0]], mesh_.sheet[c.points[1]]);
-      if (!foot.found() || !may_snap(w.vertex, foot.point)) continue;
+      if (!foot.found() || !fits_around(w.vertex, foot.facet) || !may_snap(w.vertex, foot.point)) continue;
       mesh_.kind[w.vertex] = SharpenedKind::crease;
       mesh_.target[w.vertex] = foot.point;
+      crease_of_[w.vertex] = foot.facet;
     }
   }
 
@@ -204,6 +223,7 @@ class Embedding {
   std::vector<Crossing> crossings_;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_vertex_;  // crossings
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around_;     // near facets
+  std::unordered_map<std::uint32_t, std::uint32_t> crease_of_;               // of crease vertices: edge
 };
 
 }  // namespace

@@ -62,10 +62,10 @@ struct Crossing {
 std::vector<Crossing> embed_creases(SharpenMesh& mesh, const ReferenceSurface& s, const SharpenOptions& options, Progress& progress);
 void cut_edges(SharpenMesh& mesh, const std::vector<Crossing>& crossings);
 
-// Step 3: where each vertex comes to lie.
-std::vector<Vec3> moved_points(const SharpenMesh& mesh, const ReferenceSurface& s, Progress& progress);
-
-// Step 4: changes facets, points, `target` and `sheet`; facets that are gone become {0, 0, 0}.
+// Step 3: changes facets, points, `target` and `sheet`; facets that are gone become {0, 0, 0}.
 void improve_shape(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress);
+
+// Step 4: takes points that are at their targets back where facets are turned over. True if there are none.
+bool take_back(const SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress);
 
 }  // namespace burnish::detail

@@ -1,4 +1,4 @@
-// Moving vertices to S, and taking back what turns facets over.
+// Taking back what turns facets over.
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -15,18 +15,21 @@ constexpr std::array<double, 4> kFractions{1, 0.5, 0.25, 0};
 
 class Mover {
  public:
-  Mover(const SharpenMesh& mesh, const ReferenceSurface& s) : mesh_(mesh), s_(s), back_(mesh.start.size(), 0), facing_(mesh.facets.size()) {}
+  Mover(const SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s)
+      : mesh_(mesh), s_(s), points_(points), back_(mesh.start.size(), 0), facing_(mesh.facets.size()) {}
 
-  std::vector<Vec3> run(Progress& progress) {
-    points_ = mesh_.target;
+  bool run(Progress& progress) {
     parallel_for(facing_.size(), [&](std::size_t f) { facing_[f] = facing(mesh_.facets[f]); });
     std::vector<std::uint32_t> suspects(mesh_.facets.size());
     for (std::uint32_t f = 0; f < suspects.size(); ++f) suspects[f] = f;
-    while (!suspects.empty()) {
+    bool complete = true;
+    while (true) {
       progress.check();
-      suspects = facets_at(taken_back(suspects));
+      const std::vector<std::uint32_t> vertices = taken_back(suspects);
+      if (vertices.empty()) return complete;
+      complete = false;
+      suspects = facets_at(vertices);
     }
-    return std::move(points_);
   }
 
  private:
@@ -44,6 +47,7 @@ class Mover {
   // [T-SHARP-3]
   bool is_broken(std::uint32_t f) const {
     const auto [a, b, c] = mesh_.facets[f];
+    if (a == b) return false;
     if (back_[a] + back_[b] + back_[c] == 9) return false;
     const Vec3 n = cross(points_[b] - points_[a], points_[c] - points_[a]);
     return !(dot(n, facing_[f]) > kTurnedOver * norm(n)) || least_sine(points_[a], points_[b], points_[c]) < kLeastSine;
@@ -68,7 +72,6 @@ class Mover {
 
   std::vector<std::uint32_t> facets_at(const std::vector<std::uint32_t>& vertices) const {
     std::vector<std::uint32_t> found;
-    if (vertices.empty()) return found;
     std::vector<char> marked(mesh_.start.size(), 0);
     for (const std::uint32_t v : vertices) marked[v] = 1;
     for (std::uint32_t f = 0; f < mesh_.facets.size(); ++f) {
@@ -80,13 +83,15 @@ class Mover {
 
   const SharpenMesh& mesh_;
   const ReferenceSurface& s_;
-  std::vector<Vec3> points_;
+  std::vector<Vec3>& points_;
   std::vector<std::uint8_t> back_;   // steps: index of kFractions
   std::vector<Vec3> facing_;         // per facet
 };
 
 }  // namespace
 
-std::vector<Vec3> moved_points(const SharpenMesh& mesh, const ReferenceSurface& s, Progress& progress) { return Mover(mesh, s).run(progress); }
+bool take_back(const SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress) {
+  return Mover(mesh, points, s).run(progress);
+}
 
 }  // namespace burnish::detail

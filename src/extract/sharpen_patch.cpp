@@ -16,7 +16,7 @@ Patch::Patch(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurfac
   // The targets' way to face, before anything changes.
   for (std::uint32_t f = 0; f < mesh.facets.size(); ++f) {
     const Facet& c = mesh.facets[f];
-    if (!(mesh.on_crease(c[0]) && mesh.on_crease(c[1]) && mesh.on_crease(c[2]))) continue;
+    if (!is_alive(f) || !(mesh.on_crease(c[0]) && mesh.on_crease(c[1]) && mesh.on_crease(c[2]))) continue;
     const Vec3 n = cross(mesh.start[c[1]] - mesh.start[c[0]], mesh.start[c[2]] - mesh.start[c[0]]);
     const double length = norm(n);
     const ReferenceSurface::Foot foot = s.closest((mesh.target[c[0]] + mesh.target[c[1]] + mesh.target[c[2]]) / 3, 2, length > 0 ? n / length : n);
@@ -103,7 +103,7 @@ std::vector<std::uint32_t> Patch::all_poor_facets() const {
   std::vector<char> poor(mesh_.facets.size());
   parallel_for(poor.size(), [&](std::size_t f) {
     const auto i = static_cast<std::uint32_t>(f);
-    poor[f] = !is_frozen(i) && quality(i) < kPoor;
+    poor[f] = is_alive(i) && !is_frozen(i) && quality(i) < kPoor;
   });
   std::vector<std::uint32_t> found;
   for (std::uint32_t f = 0; f < poor.size(); ++f)

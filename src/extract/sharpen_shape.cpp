@@ -18,6 +18,8 @@ constexpr double kSameSheet = 0.7;      // cosine between facets across an edge 
 constexpr double kChord = 0.1;          // of an edge's length: how far a crease edge's middle may be from the crease
 constexpr double kLonger = 1.5;         // times the longest edge around: what a collapse may make
 constexpr double kSlideReach = 1;       // cells
+// Cells: how far the surface may move by a flip or a collapse; more where a facet is turned over.
+constexpr double kMayMove = 0.1, kMayMoveToTurn = 0.3;
 
 enum class Action : std::uint8_t { none, flip, collapse, slide };
 
@@ -76,7 +78,16 @@ class Improver {
     if (dot(patch_.facing(f), patch_.facing(g)) < kSameSheet || is_crease_edge(p, q)) return;
     const double now = std::min(patch_.quality(f), patch_.quality(g));
     const double then = std::min(patch_.quality({p, s, r}, patch_.facing(f)), patch_.quality({s, q, r}, patch_.facing(f)));
+    if (gap(p, q, r, s) > may_move(now)) return;
     if (then > now + kGain) propose({Action::flip, p, q, {}, 0, then});
+  }
+
+  static double may_move(double quality) { return quality < 0 ? kMayMoveToTurn : kMayMove; }
+  // Between the lines pq and rs.
+  double gap(std::uint32_t p, std::uint32_t q, std::uint32_t r, std::uint32_t s) const {
+    const Vec3 n = cross(patch_.point(q) - patch_.point(p), patch_.point(s) - patch_.point(r));
+    const double length = norm(n);
+    return length > 0 ? std::abs(dot(patch_.point(r) - patch_.point(p), n)) / length : 0;
   }
 
   bool is_crease_edge(std::uint32_t p, std::uint32_t q) const {
@@ -100,7 +111,7 @@ class Improver {
     const SharpenMesh& mesh = patch_.mesh();
     if (mesh.kind[p] == SharpenedKind::corner || patch_.is_ring_frozen(p) || mesh.stays(q) || !patch_.may_collapse(p, q)) return;
     if (mesh.on_crease(p) && !may_collapse_along_crease(p, q)) return;
-    double now = 1, then = 1, longest = 0, longest_then = 0;
+    double now = 1, then = 1, longest = 0, longest_then = 0, moved = squared_norm(patch_.point(q) - patch_.point(p));
     for (const std::uint32_t f : patch_.facets_at(p)) {
       Facet c = patch_.facet(f);
       now = std::min(now, patch_.quality(f));
@@ -112,7 +123,10 @@ class Improver {
       }
       then = std::min(then, patch_.quality(c, patch_.facing_when(c, patch_.facing(f))));
       if (then <= best_.quality) return;
+      const Vec3 &x = patch_.point(c[0]), &y = patch_.point(c[1]), &z = patch_.point(c[2]);
+      moved = std::min(moved, squared_norm(closest_point_on_triangle(patch_.point(p), x, y, z) - patch_.point(p)));
     }
+    if (moved > may_move(now) * may_move(now)) return;
     if (then > now + kGain && longest_then <= kLonger * kLonger * longest) propose({Action::collapse, p, q, {}, 0, then});
   }
 

@@ -7,11 +7,11 @@
 // 2. An edge of M is *crossed* where the closest facets of its ends are not connected without passing a crease. A vertex close to a crossing
 //    becomes a crease vertex, the nearest one to a corner that corner; edges that are still crossed are cut in two there. So the creases run
 //    along edges (marching triangles on M).
-// 3. All vertices move: to S, to the crease, to the corner. A vertex goes back, half the way, three quarters, then all of it, while a facet at it
-//    turns over or loses its area.
-// 4. Facets below 15 degrees are improved: edges that are no creases are flipped, short ones collapsed, vertices slid along S.
+// 3. All vertices move: to S, to the crease, to the corner. Facets below 15 degrees, and those that the move turned over, are improved: edges that are
+//    no creases are flipped, short ones collapsed, vertices slid along S.
+// 4. A vertex goes back, half the way, three quarters, then all of it, while a facet at it is turned over or without area.
 //
-// **Guarantees.** Closed, 2-manifold and oriented like M. A vertex that stays, and every facet at one, is M's, bit for bit. No facet is turned over
+// **Guarantees.** Closed, 2-manifold and oriented like M. A vertex that stays and the edges at it are M's, bit for bit. No facet is turned over
 // against the normals of S or M around it; that facets far from each other on M do not meet after moving is likely (vertices move by
 // less than a cell, to a surface without intersections) and not certain: inspect, set `stays` around the places, and call again.
 //
@@ -35,7 +35,7 @@ namespace burnish {
 struct SharpenOptions {
   double reach = 1;         // cells: vertices farther from S stay where they are (caps, details the lattice did not resolve)
   double crease_reach = 3;  // cells: farther from M no crease is looked for; the tip of a wedge of 20 degrees is 2.8 cells from the last node inside
-  bool improve = true;      // step 4
+  bool improve = true;      // of step 3; without it facets that are turned over are taken back only
 };
 
 // What a point of the result is.
