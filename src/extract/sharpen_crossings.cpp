@@ -16,7 +16,7 @@ namespace {
 constexpr double kSnapRatio = 0.35;       // of the way to the neighbour
 constexpr double kSnapDistance = 0.25;    // cells
 constexpr double kStrayDistance = 0.75;   // cells: a crease that does not part the two sheets is that of a strip narrower than the edge
-constexpr double kOffJunction = 1;        // cells that a corner's vertex may be farther away for touching three sheets
+constexpr double kOffJunction = 1;        // cells that a corner's vertex may be farther away for each facet of three sheets that it has
 constexpr double kLeastSine = 0.25;       // of a facet between three crease vertices
 constexpr double kFartherSheet = 0.1;     // cells that a vertex may go farther for each neighbour that it joins on another sheet
 constexpr int kSweeps = 4;
@@ -168,13 +168,13 @@ class Embedding {
     const Facet& c = mesh_.facets[f];
     return crossing_of(c[0], c[1]) && crossing_of(c[1], c[2]) && crossing_of(c[2], c[0]);
   }
-  bool touches_junction(std::uint32_t v) const {
-    if (!at_vertex_.contains(v)) return false;
+  std::size_t junctions_at(std::uint32_t v) const {
+    if (!at_vertex_.contains(v)) return 0;
     const auto facets = around_[v];
-    return std::any_of(facets.begin(), facets.end(), [&](std::uint32_t f) { return is_junction(f); });
+    return static_cast<std::size_t>(std::count_if(facets.begin(), facets.end(), [&](std::uint32_t f) { return is_junction(f); }));
   }
 
-  // The nearest pairs first, every corner and every vertex once. Three chains meet at a facet of three sheets, if there is one.
+  // The nearest pairs first, every corner and every vertex once. n sheets meet in n - 2 facets of three sheets each, if labels are what they should be.
   void place_corners() {
     TriangleSoup points;
     for (std::uint32_t i = 0; i < near_.size(); ++i) {
@@ -194,7 +194,8 @@ class Embedding {
         const std::uint32_t v = near_[n];
         const double away = distance(mesh_.start[v], corner);
         if (away > options_.crease_reach || !s_.sheet_meets_corner(mesh_.sheet[v], i)) continue;
-        pairs.push_back({away + (s_.sheets_at_corner(i) > 2 && !touches_junction(v) ? kOffJunction : 0), i, v});
+        const std::size_t sheets = s_.sheets_at_corner(i), missed = sheets > 2 ? sheets - 2 - std::min(sheets - 2, junctions_at(v)) : 0;
+        pairs.push_back({away + kOffJunction * static_cast<double>(missed), i, v});
       }
     }
     std::sort(pairs.begin(), pairs.end());

@@ -36,7 +36,7 @@ TEST_P(SharpenProperty, ValidSolidsWithAllCorners) {
   std::mt19937_64 engine(seed);
   for (const auto& [name, solid] : solids()) {
     const TriangleSoup turned = mapped(solid, Rotation::random(engine));
-    const Sharpened x = sharpened(turned, bounding_box(solid).longest_side() / 40);
+    const Sharpened x = sharpened(turned, bounding_box(solid).longest_side() / 40, {.angle = 40, .resolved_angle = 10, .resolved = 1});
     SCOPED_TRACE(name + ", seed " + std::to_string(seed));
     const Defects d = inspect(x.result.soup).defects;
     EXPECT_TRUE(d.valid_solid()) << d.self_intersecting_pairs << " intersections";
