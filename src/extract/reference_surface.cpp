@@ -96,6 +96,20 @@ bool ReferenceSurface::sheet_meets_corner(std::uint32_t facet, std::size_t corne
   return std::binary_search(sheets_at_corner_[corner].begin(), sheets_at_corner_[corner].end(), sheet_[facet]);
 }
 
+template <class Accept>
+ReferenceSurface::Foot ReferenceSurface::closest_accepted(const Vec3& p, double within, Accept&& accept) const {
+  std::vector<std::uint32_t> near;
+  index_.facets_near(p, within * within, near);
+  Foot best;
+  best.squared_distance = within * within;
+  for (const std::uint32_t f : near) {
+    if (!accept(f)) continue;
+    const Vec3 q = closest_point_on_triangle(p, soup_.corner(f, 0), soup_.corner(f, 1), soup_.corner(f, 2));
+    if (squared_norm(q - p) < best.squared_distance) best = {q, squared_norm(q - p), f};
+  }
+  return best;
+}
+
 ReferenceSurface::Foot ReferenceSurface::closest(const Vec3& p, double within, const Vec3& facing, std::uint32_t hint) const {
   double limit = within * within;
   Foot best;
@@ -106,20 +120,11 @@ ReferenceSurface::Foot ReferenceSurface::closest(const Vec3& p, double within, c
   const Foot found = foot_of(index_.closest(p, limit));
   if (found.found() && !(found.squared_distance >= best.squared_distance)) best = found;
   if (!best.found() || dot(normals_[best.facet], facing) >= kTurnsItsBack) return best;
-  return closest_facing(p, within, facing);
+  return closest_accepted(p, within, [&](std::uint32_t f) { return dot(normals_[f], facing) >= kTurnsItsBack; });
 }
 
-ReferenceSurface::Foot ReferenceSurface::closest_facing(const Vec3& p, double within, const Vec3& facing) const {
-  std::vector<std::uint32_t> near;
-  index_.facets_near(p, within * within, near);
-  Foot best;
-  best.squared_distance = within * within;
-  for (const std::uint32_t f : near) {
-    if (dot(normals_[f], facing) < kTurnsItsBack) continue;
-    const Vec3 q = closest_point_on_triangle(p, soup_.corner(f, 0), soup_.corner(f, 1), soup_.corner(f, 2));
-    if (squared_norm(q - p) < best.squared_distance) best = {q, squared_norm(q - p), f};
-  }
-  return best;
+ReferenceSurface::Foot ReferenceSurface::closest_on_sheet(const Vec3& p, double within, const Vec3& facing, std::uint32_t f) const {
+  return closest_accepted(p, within, [&](std::uint32_t g) { return sheet(g) == sheet(f) && dot(normals_[g], facing) >= kTurnsItsBack; });
 }
 
 ReferenceSurface::Foot ReferenceSurface::closest_on_creases(const Vec3& p, double within) const {

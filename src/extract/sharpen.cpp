@@ -100,6 +100,7 @@ SharpenedSurface sharpen(const TriangleSoup& m, const ReferenceSurface& s, const
   if (s.has_creases()) {
     const std::vector<Crossing> crossings = embed_creases(mesh, s, options, progress);
     cut_edges(mesh, crossings);
+    unfold_creases(mesh, s);
     cut = crossings.size();
   }
   // Most facets that moving turns over are those of slivers, and gone once these are improved; only what is left is taken back.

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
@@ -15,8 +16,10 @@ namespace {
 constexpr double kSnapRatio = 0.35;       // of the way to the neighbour
 constexpr double kSnapDistance = 0.25;    // cells
 constexpr double kStrayDistance = 0.75;   // cells: a crease that does not part the two sheets is that of a strip narrower than the edge
-constexpr double kOffJunction = 1;        // cells that a corner's vertex may be farther away for touching three sheets
+constexpr double kOffJunction = 1;        // cells that a corner's vertex may be farther away for each facet of three sheets that it has
 constexpr double kLeastSine = 0.25;       // of a facet between three crease vertices
+constexpr double kFartherSheet = 0.1;     // cells that a vertex may go farther for each neighbour that it joins on another sheet
+constexpr int kSweeps = 4;
 constexpr int kProjections = 3;
 
 double distance(const Vec3& a, const Vec3& b) { return norm(a - b); }
@@ -28,11 +31,13 @@ double along_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
 
 class Embedding {
  public:
-  Embedding(SharpenMesh& mesh, const ReferenceSurface& s, const SharpenOptions& options) : mesh_(mesh), s_(s), options_(options) {}
+  Embedding(SharpenMesh& mesh, const ReferenceSurface& s, const SharpenOptions& options)
+      : mesh_(mesh), s_(s), options_(options), around_(mesh.facets, mesh.start.size()) {}
 
   std::vector<Crossing> run(Progress& progress) {
     find_near_vertices();
     progress.check();
+    join_sheets();
     find_crossings();
     progress.check();
     if (!near_.empty()) {
@@ -56,6 +61,64 @@ class Embedding {
       const Facet& c = mesh_.facets[f];
       if (is_near_[c[0]] + is_near_[c[1]] + is_near_[c[2]] >= 2) near_facets_.push_back(f);
     }
+  }
+
+  std::uint32_t sheet_of(std::uint32_t v) const { return s_.sheet(mesh_.sheet[v]); }
+  std::uint32_t after(std::uint32_t f, std::uint32_t v) const {
+    const Facet& c = mesh_.facets[f];
+    return v == c[0] ? c[1] : v == c[1] ? c[2] : c[0];
+  }
+
+  // Where sheets are about as far, as on the bisecting plane of an edge, vertices of all of them alternate. One that another sheet is nearly as close
+  // to goes over to it if more of its neighbours are there. [T-SHARP-2]
+  void join_sheets() {
+    std::vector<std::uint32_t> mixed;
+    for (const std::uint32_t f : near_facets_) {
+      const Facet& c = mesh_.facets[f];
+      if (!is_near_[c[0]] || !is_near_[c[1]] || !is_near_[c[2]]) continue;
+      if (sheet_of(c[0]) != sheet_of(c[1]) || sheet_of(c[1]) != sheet_of(c[2])) mixed.insert(mixed.end(), c.begin(), c.end());
+    }
+    std::sort(mixed.begin(), mixed.end());
+    mixed.erase(std::unique(mixed.begin(), mixed.end()), mixed.end());
+    bool changed = true;
+    for (int sweep = 0; sweep < kSweeps && changed; ++sweep) {
+      changed = false;
+      for (const std::uint32_t v : mixed) changed = join_neighbours(v) || changed;
+    }
+  }
+
+  bool join_neighbours(std::uint32_t v) {
+    std::map<std::uint32_t, std::pair<int, std::uint32_t>> others;  // sheet -> neighbours on it, the facet that one of them is at
+    int own = 0;
+    Vec3 normal;
+    for (const std::uint32_t f : around_[v]) {
+      const Facet& c = mesh_.facets[f];
+      normal = normal + cross(mesh_.start[c[1]] - mesh_.start[c[0]], mesh_.start[c[2]] - mesh_.start[c[0]]);
+      const std::uint32_t w = after(f, v);
+      if (mesh_.stays(w)) continue;
+      if (sheet_of(w) == sheet_of(v)) {
+        ++own;
+        continue;
+      }
+      auto& [count, facet] = others.try_emplace(sheet_of(w), 0, mesh_.sheet[w]).first->second;
+      ++count;
+    }
+    const double length = norm(normal);
+    if (length == 0) return false;
+    bool changed = false;
+    const double here = distance(mesh_.start[v], mesh_.target[v]);
+    double best = 0;
+    for (const auto& [sheet, seen] : others) {
+      const double allowed = kFartherSheet * (seen.first - own);
+      if (allowed <= best) continue;
+      const ReferenceSurface::Foot foot = s_.closest_on_sheet(mesh_.start[v], here + allowed, normal / length, seen.second);
+      if (!foot.found()) continue;
+      best = allowed;
+      mesh_.target[v] = foot.point;
+      mesh_.sheet[v] = foot.facet;
+      changed = true;
+    }
+    return changed;
   }
 
   // The crease between the sheets of u and v, where it is nearest to the segment between their targets. [T-SHARP-2]
@@ -91,8 +154,6 @@ class Embedding {
     crossings_ = std::move(found);
     for (std::uint32_t c = 0; c < crossings_.size(); ++c)
       for (const std::uint32_t v : crossings_[c].points) at_vertex_[v].push_back(c);
-    for (const std::uint32_t f : near_facets_)
-      for (const std::uint32_t v : mesh_.facets[f]) around_[v].push_back(f);
   }
 
   bool is_settled(const Crossing& c) const { return mesh_.on_crease(c.points[0]) || mesh_.on_crease(c.points[1]); }
@@ -107,13 +168,13 @@ class Embedding {
     const Facet& c = mesh_.facets[f];
     return crossing_of(c[0], c[1]) && crossing_of(c[1], c[2]) && crossing_of(c[2], c[0]);
   }
-  bool touches_junction(std::uint32_t v) const {
-    const auto at = around_.find(v);
-    if (at == around_.end()) return false;
-    return std::any_of(at->second.begin(), at->second.end(), [&](std::uint32_t f) { return is_junction(f); });
+  std::size_t junctions_at(std::uint32_t v) const {
+    if (!at_vertex_.contains(v)) return 0;
+    const auto facets = around_[v];
+    return static_cast<std::size_t>(std::count_if(facets.begin(), facets.end(), [&](std::uint32_t f) { return is_junction(f); }));
   }
 
-  // The nearest pairs first, every corner and every vertex once. Three chains meet at a facet of three sheets, if there is one.
+  // The nearest pairs first, every corner and every vertex once. n sheets meet in n - 2 facets of three sheets each, if labels are what they should be.
   void place_corners() {
     TriangleSoup points;
     for (std::uint32_t i = 0; i < near_.size(); ++i) {
@@ -133,7 +194,8 @@ class Embedding {
         const std::uint32_t v = near_[n];
         const double away = distance(mesh_.start[v], corner);
         if (away > options_.crease_reach || !s_.sheet_meets_corner(mesh_.sheet[v], i)) continue;
-        pairs.push_back({away + (s_.sheets_at_corner(i) > 2 && !touches_junction(v) ? kOffJunction : 0), i, v});
+        const std::size_t sheets = s_.sheets_at_corner(i), missed = sheets > 2 ? sheets - 2 - std::min(sheets - 2, junctions_at(v)) : 0;
+        pairs.push_back({away + kOffJunction * static_cast<double>(missed), i, v});
       }
     }
     std::sort(pairs.begin(), pairs.end());
@@ -147,15 +209,14 @@ class Embedding {
   }
 
   bool is_encircled(std::uint32_t v) const {
-    const auto at = around_.find(v);
-    return at != around_.end() && at_vertex_.at(v).size() == at->second.size();
+    return at_vertex_.at(v).size() == around_[v].size();
   }
 
   // What v's neighbours lie on must reach the crease: smooth ones are on one of its two sheets, others on a crease that shares one.
   bool fits_around(std::uint32_t v, std::uint32_t crease) const {
     const auto& own = s_.creases().edges[crease].facets;
     const auto meets = [&](std::uint32_t f) { return s_.sheet(f) == s_.sheet(own[0]) || s_.sheet(f) == s_.sheet(own[1]); };
-    for (const std::uint32_t f : around_.at(v))
+    for (const std::uint32_t f : around_[v])
       for (const std::uint32_t w : mesh_.facets[f]) {
         if (w == v || mesh_.stays(w) || mesh_.kind[w] == SharpenedKind::corner) continue;
         if (mesh_.kind[w] == SharpenedKind::smooth ? meets(mesh_.sheet[w]) : meets_either(crease_of_.at(w), meets)) continue;
@@ -171,7 +232,7 @@ class Embedding {
 
   // A facet whose vertices are all on creases lies between them, and must be one to keep.
   bool may_snap(std::uint32_t v, const Vec3& to) const {
-    for (const std::uint32_t f : around_.at(v)) {
+    for (const std::uint32_t f : around_[v]) {
       std::array<Vec3, 3> x;
       bool all = true;
       for (std::size_t i = 0; i < 3; ++i) {
@@ -217,12 +278,12 @@ class Embedding {
   SharpenMesh& mesh_;
   const ReferenceSurface& s_;
   const SharpenOptions& options_;
+  FacetsAround around_;
   std::vector<std::uint8_t> is_near_;        // per vertex
   std::vector<std::uint32_t> near_;          // vertices
   std::vector<std::uint32_t> near_facets_;
   std::vector<Crossing> crossings_;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_vertex_;  // crossings
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> around_;     // near facets
   std::unordered_map<std::uint32_t, std::uint32_t> crease_of_;               // of crease vertices: edge
 };
 

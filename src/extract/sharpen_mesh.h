@@ -62,6 +62,9 @@ struct Crossing {
 std::vector<Crossing> embed_creases(SharpenMesh& mesh, const ReferenceSurface& s, const SharpenOptions& options, Progress& progress);
 void cut_edges(SharpenMesh& mesh, const std::vector<Crossing>& crossings);
 
+// Chains of crease vertices that run to and fro along a crease, as ragged tips of wedges make them, run one way only.
+void unfold_creases(SharpenMesh& mesh, const ReferenceSurface& s);
+
 // Step 3: changes facets, points, `target` and `sheet`; facets that are gone become {0, 0, 0}.
 void improve_shape(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress);
 

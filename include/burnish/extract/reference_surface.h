@@ -43,6 +43,8 @@ class ReferenceSurface {
   // (the tip of a wedge is seen from both of its faces, a wall from one). A facet without area faces every way. `hint`, a facet that
   // may be near, only saves time. 1 us where hints are good.
   Foot closest(const Vec3& p, double within, const Vec3& facing, std::uint32_t hint = kNoFacet) const;
+  // The closest such point on the sheet of facet f.
+  Foot closest_on_sheet(const Vec3& p, double within, const Vec3& facing, std::uint32_t f) const;
 
   // The closest point of any crease.
   Foot closest_on_creases(const Vec3& p, double within) const;
@@ -63,7 +65,8 @@ class ReferenceSurface {
  private:
   void link_facets();
   void list_sheets_at_corners();
-  Foot closest_facing(const Vec3& p, double within, const Vec3& facing) const;
+  template <class Accept>
+  Foot closest_accepted(const Vec3& p, double within, Accept&& accept) const;
   int fit_of_crease(std::uint32_t edge, std::uint32_t f, std::uint32_t g) const;
 
   TriangleSoup soup_;
