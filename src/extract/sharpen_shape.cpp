@@ -15,6 +15,7 @@ namespace {
 constexpr int kRounds = 6;
 constexpr double kGain = 0.02;          // of the least sine: less is not worth a change
 constexpr double kSameSheet = 0.7;      // cosine between facets across an edge that may be flipped
+constexpr double kFlat = 0.996;         // cosine: sides of an edge that face more alike are one
 constexpr double kChord = 0.1;          // of an edge's length: how far a crease edge's middle may be from the crease
 constexpr double kLonger = 1.5;         // times the longest edge around: what a collapse may make
 constexpr double kSlideReach = 1;       // cells
@@ -108,9 +109,20 @@ class Improver {
     return length > 0 ? std::abs(dot(patch_.point(r) - patch_.point(p), n)) / length : 0;
   }
 
+  // On a crease, and with its two sides on both sides. An edge between two crease vertices beside a chain has the same sheet on both.
   bool is_crease_edge(std::uint32_t p, std::uint32_t q) const {
-    return patch_.mesh().on_crease(p) && patch_.mesh().on_crease(q) && is_near_crease(p, q);
+    if (!patch_.mesh().on_crease(p) || !patch_.mesh().on_crease(q)) return false;
+    const Vec3 &a = patch_.point(p), &b = patch_.point(q);
+    const ReferenceSurface::Foot foot = s_.closest_on_creases((a + b) * 0.5, kChord * norm(b - a) + 1e-9);
+    if (!foot.found()) return false;
+    const auto [f, g] = patch_.facets_at_edge(p, q);
+    if (f == kNoFacet) return true;
+    const auto& sides = s_.creases().edges[foot.facet].facets;
+    const std::uint32_t u = patch_.smooth_vertex(f), v = patch_.smooth_vertex(g);
+    if (u != kNoFacet && v != kNoFacet && s_.sheet(sides[0]) != s_.sheet(sides[1])) return sheet_of(u) != sheet_of(v);
+    return dot(patch_.facing(f), patch_.facing(g)) < kFlat;
   }
+  std::uint32_t sheet_of(std::uint32_t v) const { return s_.sheet(patch_.mesh().sheet[v]); }
   bool is_near_crease(std::uint32_t p, std::uint32_t q) const {
     const Vec3 &a = patch_.point(p), &b = patch_.point(q);
     return s_.closest_on_creases((a + b) * 0.5, kChord * norm(b - a) + 1e-9).found();
