@@ -55,6 +55,12 @@ std::uint32_t Patch::opposite(std::uint32_t f, std::uint32_t p, std::uint32_t q)
   return next == q ? after(f, q) : next;
 }
 
+std::uint32_t Patch::smooth_vertex(std::uint32_t f) const {
+  for (const std::uint32_t v : facet(f))
+    if (!mesh_.on_crease(v) && !mesh_.stays(v)) return v;
+  return kNoFacet;
+}
+
 std::array<std::uint32_t, 2> Patch::facets_at_edge(std::uint32_t p, std::uint32_t q) const {
   std::array<std::uint32_t, 2> found{kNoFacet, kNoFacet};
   for (const std::uint32_t f : facets_at(p))

@@ -30,6 +30,8 @@ class Patch {
   // The vertex that follows v in a facet; the third one of a facet with p and q.
   std::uint32_t after(std::uint32_t f, std::uint32_t v) const;
   std::uint32_t opposite(std::uint32_t f, std::uint32_t p, std::uint32_t q) const;
+  // The first vertex of a facet that is on no crease and does not stay; kNoFacet if there is none.
+  std::uint32_t smooth_vertex(std::uint32_t f) const;
   // The facet that runs from p to q, and the one that runs back; kNoFacet twice unless there are both.
   std::array<std::uint32_t, 2> facets_at_edge(std::uint32_t p, std::uint32_t q) const;
   // Whether the surface stays a 2-manifold: p and q have two common neighbours, those of their facets (link condition).

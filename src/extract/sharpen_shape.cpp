@@ -15,6 +15,7 @@ namespace {
 constexpr int kRounds = 6;
 constexpr double kGain = 0.02;          // of the least sine: less is not worth a change
 constexpr double kSameSheet = 0.7;      // cosine between facets across an edge that may be flipped
+constexpr double kFlat = 0.996;         // cosine: sides of an edge that face more alike are one
 constexpr double kChord = 0.1;          // of an edge's length: how far a crease edge's middle may be from the crease
 constexpr double kLonger = 1.5;         // times the longest edge around: what a collapse may make
 constexpr double kSlideReach = 1;       // cells
@@ -23,12 +24,27 @@ constexpr double kMayMove = 0.1, kMayMoveToTurn = 0.3;
 
 enum class Action : std::uint8_t { none, flip, collapse, slide };
 
+// Of several facets: the worst quality, or how many are turned over, as a negative number. So turning them back one by one is a gain.
+class Worst {
+ public:
+  void add(double quality) {
+    if (quality < 0) ++turned_;
+    least_ = std::min(least_, quality);
+  }
+  double value() const { return turned_ > 0 ? -static_cast<double>(turned_) : least_; }
+
+ private:
+  int turned_ = 0;
+  double least_ = 1;
+};
+
 struct Change {
   Action action = Action::none;
   std::uint32_t p = 0, q = 0;  // flip: the edge; collapse: p goes to q; slide: p
-  Vec3 to;                     // slide
+  Vec3 to{};                   // slide
   std::uint32_t sheet = 0;     // slide
-  double quality = 0;          // the least of the facets that it changes
+  double quality = 0;          // the worst of the facets that it changes
+  double gain = 0;
 };
 
 class Improver {
@@ -52,9 +68,7 @@ class Improver {
  private:
   void improve(std::uint32_t f) {
     const Facet c = patch_.facet(f);
-    const double least = patch_.quality(f) + kGain;
     best_ = {};
-    best_.quality = least;
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t p = c[i], q = c[(i + 1) % 3];
       try_flip(p, q);
@@ -65,8 +79,13 @@ class Improver {
     apply();
   }
 
-  void propose(const Change& change) {
-    if (change.quality > best_.quality) best_ = change;
+  // The one after which things are best; if facets stay turned over, that which turns most of them back.
+  void propose(Change change, double now, double then) {
+    change.quality = then;
+    change.gain = then - now;
+    if (change.gain <= kGain) return;
+    const auto key = [](const Change& c) { return std::pair(std::min(c.quality, 0.0) == 0, c.quality < 0 ? c.gain : c.quality); };
+    if (best_.action == Action::none || key(change) > key(best_)) best_ = change;
   }
 
   // The edge pq of facets pqr and qps becomes rs. [T-SHARP-5]
@@ -76,10 +95,10 @@ class Improver {
     const std::uint32_t r = patch_.opposite(f, p, q), s = patch_.opposite(g, p, q);
     if (r == s || patch_.are_linked(r, s) || patch_.facets_at(p).size() <= 3 || patch_.facets_at(q).size() <= 3) return;
     if (dot(patch_.facing(f), patch_.facing(g)) < kSameSheet || is_crease_edge(p, q)) return;
-    const double now = std::min(patch_.quality(f), patch_.quality(g));
-    const double then = std::min(patch_.quality({p, s, r}, patch_.facing(f)), patch_.quality({s, q, r}, patch_.facing(f)));
-    if (gap(p, q, r, s) > may_move(now)) return;
-    if (then > now + kGain) propose({Action::flip, p, q, {}, 0, then});
+    Worst now, then;
+    for (const std::uint32_t h : {f, g}) now.add(patch_.quality(h));
+    for (const Facet& c : {Facet{p, s, r}, Facet{s, q, r}}) then.add(patch_.quality(c, patch_.facing_when(c, patch_.facing(f))));
+    if (gap(p, q, r, s) <= may_move(now.value())) propose({Action::flip, p, q}, now.value(), then.value());
   }
 
   static double may_move(double quality) { return quality < 0 ? kMayMoveToTurn : kMayMove; }
@@ -90,9 +109,20 @@ class Improver {
     return length > 0 ? std::abs(dot(patch_.point(r) - patch_.point(p), n)) / length : 0;
   }
 
+  // On a crease, and with its two sides on both sides. An edge between two crease vertices beside a chain has the same sheet on both.
   bool is_crease_edge(std::uint32_t p, std::uint32_t q) const {
-    return patch_.mesh().on_crease(p) && patch_.mesh().on_crease(q) && is_near_crease(p, q);
+    if (!patch_.mesh().on_crease(p) || !patch_.mesh().on_crease(q)) return false;
+    const Vec3 &a = patch_.point(p), &b = patch_.point(q);
+    const ReferenceSurface::Foot foot = s_.closest_on_creases((a + b) * 0.5, kChord * norm(b - a) + 1e-9);
+    if (!foot.found()) return false;
+    const auto [f, g] = patch_.facets_at_edge(p, q);
+    if (f == kNoFacet) return true;
+    const auto& sides = s_.creases().edges[foot.facet].facets;
+    const std::uint32_t u = patch_.smooth_vertex(f), v = patch_.smooth_vertex(g);
+    if (u != kNoFacet && v != kNoFacet && s_.sheet(sides[0]) != s_.sheet(sides[1])) return sheet_of(u) != sheet_of(v);
+    return dot(patch_.facing(f), patch_.facing(g)) < kFlat;
   }
+  std::uint32_t sheet_of(std::uint32_t v) const { return s_.sheet(patch_.mesh().sheet[v]); }
   bool is_near_crease(std::uint32_t p, std::uint32_t q) const {
     const Vec3 &a = patch_.point(p), &b = patch_.point(q);
     return s_.closest_on_creases((a + b) * 0.5, kChord * norm(b - a) + 1e-9).found();
@@ -111,29 +141,30 @@ class Improver {
     const SharpenMesh& mesh = patch_.mesh();
     if (mesh.kind[p] == SharpenedKind::corner || patch_.is_ring_frozen(p) || mesh.stays(q) || !patch_.may_collapse(p, q)) return;
     if (mesh.on_crease(p) && !may_collapse_along_crease(p, q)) return;
-    double now = 1, then = 1, longest = 0, longest_then = 0, moved = squared_norm(patch_.point(q) - patch_.point(p));
+    Worst now, then;
+    double longest = 0, longest_then = 0, moved = squared_norm(patch_.point(q) - patch_.point(p));
     for (const std::uint32_t f : patch_.facets_at(p)) {
       Facet c = patch_.facet(f);
-      now = std::min(now, patch_.quality(f));
+      now.add(patch_.quality(f));
       for (const std::uint32_t v : c) longest = std::max(longest, squared_norm(patch_.point(v) - patch_.point(p)));
       if (patch_.has(f, q)) continue;
       for (std::uint32_t& v : c) {
         longest_then = std::max(longest_then, squared_norm(patch_.point(v) - patch_.point(q)));
         if (v == p) v = q;
       }
-      then = std::min(then, patch_.quality(c, patch_.facing_when(c, patch_.facing(f))));
-      if (then <= best_.quality) return;
+      then.add(patch_.quality(c, patch_.facing_when(c, patch_.facing(f))));
       const Vec3 &x = patch_.point(c[0]), &y = patch_.point(c[1]), &z = patch_.point(c[2]);
       moved = std::min(moved, squared_norm(closest_point_on_triangle(patch_.point(p), x, y, z) - patch_.point(p)));
     }
-    if (moved > may_move(now) * may_move(now)) return;
-    if (then > now + kGain && longest_then <= kLonger * kLonger * longest) propose({Action::collapse, p, q, {}, 0, then});
+    const double may = may_move(now.value());
+    if (moved <= may * may && longest_then <= kLonger * kLonger * longest) propose({Action::collapse, p, q}, now.value(), then.value());
   }
 
   bool may_collapse_along_crease(std::uint32_t p, std::uint32_t q) const {
     const std::vector<std::uint32_t> along = crease_neighbours(p);
-    if (along.size() != 2 || (along[0] != q && along[1] != q)) return along.empty() && !patch_.mesh().on_crease(q);
-    return is_near_crease(along[0] == q ? along[1] : along[0], q);
+    if (along.empty()) return !patch_.mesh().on_crease(q);
+    if (along.size() < 2 || std::find(along.begin(), along.end(), q) == along.end()) return false;
+    return std::all_of(along.begin(), along.end(), [&](std::uint32_t o) { return o == q || is_near_crease(o, q); });
   }
 
   // To the middle of its neighbours, on S and on its own sheet; along the crease for a crease vertex; or to its target after all. [T-SHARP-7]
@@ -160,12 +191,12 @@ class Improver {
   }
 
   void propose_slide(std::uint32_t p, const Vec3& to, std::uint32_t sheet) {
-    double now = 1, then = 1;
+    Worst now, then;
     for (const std::uint32_t f : patch_.facets_at(p)) {
-      now = std::min(now, patch_.quality(f));
-      then = std::min(then, patch_.quality_when(f, p, to));
+      now.add(patch_.quality(f));
+      then.add(patch_.quality_when(f, p, to));
     }
-    if (then > now + kGain) propose({Action::slide, p, 0, to, sheet, then});
+    propose({Action::slide, p, 0, to, sheet}, now.value(), then.value());
   }
 
   void apply() {
