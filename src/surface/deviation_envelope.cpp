@@ -1,0 +1,78 @@
+#include "deviation_envelope.h"
+
+#include <limits>
+
+namespace burnish {
+
+constexpr std::uint32_t kNone = CollapsibleMesh::kNone;
+
+DeviationEnvelope::DeviationEnvelope(const TriangleSoup& given, const TriangleIndex& index, double deviation)
+    : given_(given), index_(index), squared_(deviation * deviation), first_(given.facets.size(), kNone), next_(given.points.size(), kNone) {
+  std::vector<char> placed(given.points.size(), 0);
+  for (std::uint32_t f = 0; f < given.facets.size(); ++f)
+    for (const std::uint32_t p : given.facets[f]) {
+      if (placed[p]) continue;
+      placed[p] = 1;
+      next_[p] = first_[f];
+      first_[f] = p;
+    }
+}
+
+// The facets around v: those that `other` shares go, the rest moves its corner at v to `to`.
+void DeviationEnvelope::gather(const CollapsibleMesh& mesh, std::uint32_t v, std::uint32_t other, const Vec3& to) {
+  mesh.around(v, [&](std::uint32_t h) {
+    const std::uint32_t p = mesh.target(h), q = mesh.origin(CollapsibleMesh::previous(h));
+    old_facets_.push_back(h / 3);
+    if (p != other && q != other) facets_.push_back({h / 3, {to, mesh.point(p), mesh.point(q)}});
+  });
+}
+
+bool DeviationEnvelope::near_given(const Vec3& p) const { return index_.closest(p, squared_).facet != kNoFacet; }
+
+bool DeviationEnvelope::hold_points() {
+  homes_.clear();
+  for (const std::uint32_t f : old_facets_)
+    for (std::uint32_t p = first_[f]; p != kNone; p = next_[p]) {
+      double least = std::numeric_limits<double>::infinity();
+      std::uint32_t home = kNone;
+      for (const NewFacet& facet : facets_) {
+        const Vec3& at = given_.points[p];
+        const double d = squared_norm(closest_point_on_triangle(at, facet.corners[0], facet.corners[1], facet.corners[2]) - at);
+        if (d < least) least = d, home = facet.facet;
+      }
+      if (!(least <= squared_)) return false;
+      homes_.push_back({p, home});
+    }
+  return true;
+}
+
+bool DeviationEnvelope::admits(const CollapsibleMesh& mesh, std::uint32_t h, const Vec3& to) {
+  facets_.clear();
+  old_facets_.clear();
+  const std::uint32_t a = mesh.origin(h), b = mesh.target(h);
+  gather(mesh, a, b, to);
+  gather(mesh, b, a, to);
+  // The facets at the edge were met twice.
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < old_facets_.size(); ++i) {
+    bool twice = false;
+    for (std::size_t j = 0; j < kept; ++j) twice = twice || old_facets_[j] == old_facets_[i];
+    if (!twice) old_facets_[kept++] = old_facets_[i];
+  }
+  old_facets_.resize(kept);
+  if (!near_given(to) || !hold_points()) return false;
+  for (const NewFacet& f : facets_)
+    for (const Vec3& p : {(to + f.corners[1]) * 0.5, (to + f.corners[2]) * 0.5, (to + f.corners[1] + f.corners[2]) / 3})
+      if (!near_given(p)) return false;
+  return true;
+}
+
+void DeviationEnvelope::accept() {
+  for (const std::uint32_t f : old_facets_) first_[f] = kNone;
+  for (const auto& [p, f] : homes_) {
+    next_[p] = first_[f];
+    first_[f] = p;
+  }
+}
+
+}  // namespace burnish
