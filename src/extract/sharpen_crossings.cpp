@@ -18,7 +18,7 @@ constexpr double kSnapDistance = 0.25;    // cells
 constexpr double kStrayDistance = 0.75;   // cells: a crease that does not part the two sheets is that of a strip narrower than the edge
 constexpr double kOffJunction = 1;        // cells that a corner's vertex may be farther away for each facet of three sheets that it has
 constexpr double kLeastSine = 0.25;       // of a facet between three crease vertices
-constexpr double kFartherSheet = 0.1;     // cells that a vertex may go farther for each neighbour that it joins on another sheet
+constexpr double kFartherSheet = 0.05;    // cells that a vertex may go farther for each neighbour that it joins on another sheet
 constexpr int kSweeps = 4;
 constexpr int kProjections = 3;
 
