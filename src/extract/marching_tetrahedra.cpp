@@ -85,15 +85,61 @@ class Extractor {
 
  private:
   void load(std::size_t leaf, LatticeView& view) const {
-    std::array<T, LatticeView::kNodes> values;
-    gather(tree_, set_.phi, leaf, LatticeView::kWidth, values.data());
-    std::copy(values.begin(), values.end(), view.phi.begin());
+    for (int dir = 0; dir < kDirections; ++dir) {
+      const auto [dx, dy, dz] = offset_of(dir);
+      if (is_same_level(leaf, dir))
+        copy_same_level(tree_.neighbor(leaf, dir), {dx, dy, dz}, view);
+      else if (dx >= 0 && dy >= 0 && dz >= 0 && may_be_cut_towards(leaf, dir))
+        interpolate_layer(leaf, {dx, dy, dz}, view);
+      else
+        continue_outwards(leaf, {dx, dy, dz}, view);
+    }
     gather_bytes(tree_, moves_, leaf, kStays, view.move.data());
     gather_bytes(tree_, marked_plain(), leaf, 0, view.plain.data());
   }
   const Field<std::uint8_t>& marked_plain() const {
     static const Field<std::uint8_t> none;
     return options_.plain ? options_.plain->marked : none;
+  }
+
+  // Calls visit(i, j, k) for the halo nodes in a direction, in `layers` layers.
+  template <class Visit>
+  static void for_halo(const std::array<int, 3>& d, int layers, Visit&& visit) {
+    const auto begin = [&](int a) { return a < 0 ? -layers : a > 0 ? kBlockSide : 0; };
+    const auto end = [&](int a) { return a < 0 ? 0 : a > 0 ? kBlockSide + layers : kBlockSide; };
+    for (int k = begin(d[2]); k < end(d[2]); ++k)
+      for (int j = begin(d[1]); j < end(d[1]); ++j)
+        for (int i = begin(d[0]); i < end(d[0]); ++i) visit(i, j, k);
+  }
+  void copy_same_level(std::size_t other, const std::array<int, 3>& d, LatticeView& view) const {
+    const T* source = set_.phi.block(other);
+    for_halo(d, LatticeView::kWidth, [&](int i, int j, int k) {
+      view.phi[LatticeView::at({i, j, k})] = source[node_index(i - kBlockSide * d[0], j - kBlockSide * d[1], k - kBlockSide * d[2])];
+    });
+  }
+  // Whether cells that have nodes in a neighbour of another level, upwards, may be cut there.
+  bool may_be_cut_towards(std::size_t leaf, int dir) const {
+    const auto [dx, dy, dz] = offset_of(dir);
+    std::uint8_t seen = 0;
+    for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
+    const T* phi = set_.phi.block(leaf);
+    const auto begin = [](int a) { return a > 0 ? kBlockSide - 1 : 0; };
+    for (int k = begin(dz); k < kBlockSide && seen != 3; ++k)
+      for (int j = begin(dy); j < kBlockSide; ++j)
+        for (int i = begin(dx); i < kBlockSide; ++i) seen |= static_cast<std::uint8_t>(phi[node_index(i, j, k)] >= 0 ? 1 : 2);
+    return seen == 3;
+  }
+  // Only the first layer belongs to cells of the leaf. No move looks at it.
+  void interpolate_layer(std::size_t leaf, const std::array<int, 3>& d, LatticeView& view) const {
+    for_halo(d, 1, [&](int i, int j, int k) {
+      view.phi[LatticeView::at({i, j, k})] = static_cast<T>(node_value(tree_, set_.phi, lattice_node(tree_, leaf, i, j, k)));
+    });
+  }
+  // The nearest node's value: where nothing is cut, it only has to have the right sign.
+  void continue_outwards(std::size_t leaf, const std::array<int, 3>& d, LatticeView& view) const {
+    const T* phi = set_.phi.block(leaf);
+    const auto inside = [](int i) { return std::clamp(i, 0, kBlockSide - 1); };
+    for_halo(d, LatticeView::kWidth, [&](int i, int j, int k) { view.phi[LatticeView::at({i, j, k})] = phi[node_index(inside(i), inside(j), inside(k))]; });
   }
 
   bool is_same_level(std::size_t leaf, int dir) const { return tree_.neighbor_kind(leaf, dir) == NeighborKind::same; }
@@ -134,13 +180,13 @@ class Extractor {
 
   // Leaves with cells that the surface may cut, and the leaves that own these cells' upper nodes.
   void find_cut_leaves() {
-    const std::vector<std::uint8_t> sides = sides_of_leaves();
+    sides_ = sides_of_leaves();
     std::vector<char> cut(tree_.size(), 0);
     for (std::size_t leaf = 0; leaf < tree_.size(); ++leaf) {
-      std::uint8_t seen = sides[leaf];
+      std::uint8_t seen = sides_[leaf];
       for (int corner = 1; corner < 8; ++corner)
         for (const std::uint32_t other : tree_.neighbors(leaf, direction(corner & 1, corner >> 1 & 1, corner >> 2 & 1)))
-          seen |= sides[other];
+          seen |= sides_[other];
       cut[leaf] = seen == 3;
     }
     std::vector<char> owns = cut;
@@ -381,6 +427,7 @@ class Extractor {
   const Octree& tree_;
   const ExtractOptions& options_;
   Progress& progress_;
+  std::vector<std::uint8_t> sides_;        // of each leaf: which signs its nodes have
   std::vector<std::uint32_t> cut_leaves_;  // with cells that the surface cuts
   std::vector<std::uint32_t> owners_;      // with nodes that own vertices
   std::vector<std::uint32_t> slot_;        // leaf -> place among the owners

@@ -133,14 +133,16 @@ void gather(const Octree& tree, const Field<T>& field, std::size_t leaf, int wid
                       source + node_index(rx.begin - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz), run);
       continue;
     }
-    const auto self = static_cast<std::uint32_t>(leaf);
-    const std::uint32_t near = tree.neighbor_kind(leaf, dir) == NeighborKind::coarser ? tree.neighbor(leaf, dir) : self;
+    // The leaves of another level there, which hold nearly all that is asked for.
+    const std::span<const std::uint32_t> beyond = tree.neighbors(leaf, dir);
+    const auto value = [&](const LatticeNode& node) {
+      for (const std::uint32_t other : beyond)
+        if (const auto quick = value_within(tree, field, other, node)) return *quick;
+      return node_value_near(tree, field, beyond.empty() ? static_cast<std::uint32_t>(leaf) : beyond.front(), node);
+    };
     for (int k = rz.begin; k < rz.end; ++k)
       for (int j = ry.begin; j < ry.end; ++j)
-        for (int i = rx.begin; i < rx.end; ++i) {
-          const LatticeNode node = lattice_node(tree, leaf, i, j, k);
-          at(i, j, k) = static_cast<T>(node_value_near(tree, field, near, node));
-        }
+        for (int i = rx.begin; i < rx.end; ++i) at(i, j, k) = static_cast<T>(value(lattice_node(tree, leaf, i, j, k)));
   }
 }
 
