@@ -7,8 +7,6 @@
 #include <utility>
 
 #include "burnish/core/parallel.h"
-#include "burnish/surface/edge_table.h"
-#include "burnish/surface/inspect.h"
 #include "delaunay_mesher.h"
 #include "field_sampler.h"
 #include "seeds.h"
@@ -21,14 +19,6 @@ using namespace detail;
 constexpr int kAttempts = 3;
 constexpr double kRadiusPerEdge = 0.80;   // largest radius of facets over the mean length of their edges [T-DELAUNAY-3]
 constexpr double kSpacingPerRadius = 0.95;
-
-// Every edge used twice, in opposite directions, and one fan of facets around each point.
-bool is_closed_manifold(const TriangleSoup& soup) {
-  const EdgeTable table(soup);
-  for (std::size_t e = 0; e < table.size(); ++e)
-    if (table.uses(e).size() != 2 || table.is_misoriented(e)) return false;
-  return non_manifold_points(soup).empty();
-}
 
 class Extraction {
  public:
