@@ -36,7 +36,7 @@ class Extraction {
   DelaunaySurface run() {
     surface_ = zero_surface(set_, progress_);
     if (surface_.soup.facets.empty()) return {};
-    if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, options_, progress_);
+    if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, separated_curves(options_.creases, options_.edge), options_, progress_);
     else lengths_.assign(surface_.soup.points.size(), options_.edge);
     double share = 1;
     do {

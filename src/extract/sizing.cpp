@@ -9,6 +9,7 @@
 
 #include "burnish/levelset/curvature.h"
 #include "burnish/surface/edge_table.h"
+#include "point_grid.h"
 
 namespace burnish::detail {
 namespace {
@@ -45,16 +46,67 @@ void limit_growth(const TriangleSoup& soup, std::vector<double>& lengths) {
   }
 }
 
+struct LengthRange {
+  double least, most, tolerance;
+  double length(double curvature) const { return std::clamp(std::sqrt(8 * tolerance / std::max(curvature, 1e-9)), least, most); }  // [T-DELAUNAY-3]
+};
+
+// Lengths of edges at the points of curves, from what they bend over kWindow chords.
+class NearCurves {
+ public:
+  NearCurves(const std::vector<std::vector<Vec3>>& curves, const LengthRange& range) : grid_(kReach) {
+    for (const std::vector<Vec3>& curve : curves)
+      for (std::size_t i = 0; i < curve.size(); ++i) {
+        grid_.insert(curve[i], static_cast<std::uint32_t>(points_.size()));
+        points_.push_back(curve[i]);
+        lengths_.push_back(range.length(bend_at(curve, i)));
+      }
+  }
+
+  // That of the nearest point; 0 beyond kReach.
+  double length_at(const Vec3& p) const {
+    double nearest = kReach * kReach, length = 0;
+    grid_.for_each_near(p, [&](std::uint32_t n) {
+      const double d = squared_norm(points_[n] - p);
+      if (d >= nearest) return;
+      nearest = d;
+      length = lengths_[n];
+    });
+    return length;
+  }
+
+ private:
+  static constexpr double kReach = 3;         // cells: stencils of curvature see the crease from there
+  static constexpr std::size_t kWindow = 4;
+
+  // Eight sagittas over the square of the chord; ends are like what is beside them.
+  static double bend_at(const std::vector<Vec3>& curve, std::size_t i) {
+    if (curve.size() < 2 * kWindow + 1) return 0;
+    const std::size_t middle = std::clamp(i, kWindow, curve.size() - 1 - kWindow);
+    const Vec3 &a = curve[middle - kWindow], &b = curve[middle + kWindow];
+    const double chord = squared_norm(b - a);
+    return chord > 0 ? 8 * norm(curve[middle] - (a + b) * 0.5) / chord : 1e9;
+  }
+
+  PointGrid grid_;
+  std::vector<Vec3> points_;
+  std::vector<double> lengths_;
+};
+
 }  // namespace
 
-std::vector<double> edge_lengths(const LevelSet& level_set, const ZeroSurface& surface, const DelaunayOptions& options, Progress& progress) {
+std::vector<double> edge_lengths(const LevelSet& level_set, const ZeroSurface& surface, const std::vector<std::vector<Vec3>>& curves,
+                                 const DelaunayOptions& options, Progress& progress) {
   const std::vector<FrontCurvature> curvature = front_curvature(level_set, surface.soup.points, CurvatureOrder::second, progress);
-  std::vector<double> lengths(curvature.size(), options.edge);
-  const double most = std::max(options.edge, options.largest_edge);
+  const LengthRange range{options.edge, std::max(options.edge, options.largest_edge), options.edge_tolerance};
+  const NearCurves near(curves, range);
+  std::vector<double> lengths(curvature.size(), range.least);
   for (std::size_t v = 0; v < lengths.size(); ++v) {
-    if (!curvature[v].converged) continue;
-    const double k = std::max(std::abs(curvature[v].k1), std::abs(curvature[v].k2));
-    lengths[v] = std::clamp(std::sqrt(8 * options.edge_tolerance / std::max(k, 1e-9)), options.edge, most);  // [T-DELAUNAY-3]
+    if (!is_finite(surface.soup.points[v])) continue;
+    if (const double along = near.length_at(surface.soup.points[v]); along > 0)
+      lengths[v] = along;
+    else if (curvature[v].converged)
+      lengths[v] = range.length(std::max(std::abs(curvature[v].k1), std::abs(curvature[v].k2)));
   }
   limit_growth(surface.soup, lengths);
   return lengths;

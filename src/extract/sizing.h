@@ -11,9 +11,11 @@
 namespace burnish::detail {
 
 // Lengths of edges for each point of the zero surface. [T-DELAUNAY-3] sqrt(8 tolerance / |k|), k the larger principal curvature, between `edge` and
-// `largest_edge`; `edge` where there is no curvature. Then they grow by at most kGrowth of the distance along the surface's edges.
+// `largest_edge`; `edge` where there is no curvature. Near protected curves k is theirs, as the surface has none. Then lengths grow by at most kGrowth of
+// the distance along the surface's edges.
 inline constexpr double kGrowth = 0.3;
-std::vector<double> edge_lengths(const LevelSet& level_set, const ZeroSurface& surface, const DelaunayOptions& options, Progress& progress);
+std::vector<double> edge_lengths(const LevelSet& level_set, const ZeroSurface& surface, const std::vector<std::vector<Vec3>>& curves,
+                                 const DelaunayOptions& options, Progress& progress);
 
 // The same for any point near the surface: the least one of the cell that it is in, or of the cells around that; `otherwise` where there is none.
 class LengthByCell {
