@@ -1,6 +1,7 @@
 #include "burnish/extract/delaunay.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 #include <optional>
@@ -110,16 +111,22 @@ class Extraction {
 // Area of the zero surface in a leaf's own cells: an edge along axis a that is crossed stands for |n_a| cells squared, and |n_a| is the change of a distance
 // along it. [T-DELAUNAY-6]
 double crossed_area(const LevelSet& set, std::size_t leaf) {
-  const Octree& tree = set.octree();
-  const double cell = 1 << tree.level(leaf);
+  constexpr std::array<std::size_t, 3> strides{1, kBlockSide, kBlockSide * kBlockSide};
+  const double cell = 1 << set.octree().level(leaf);
   const float* phi = set.phi.block(leaf);
   double area = 0;
+  const auto add = [&](float here, float next) {
+    if ((here >= 0) != (next >= 0)) area += cell * std::min(cell, static_cast<double>(std::abs(next - here)));
+  };
   for (std::size_t n = 0; n < kBlockNodes; ++n)
     for (int axis = 0; axis < 3; ++axis) {
-      const StoredNode end = next_node(tree, leaf, n, axis);
-      if (end.leaf == Octree::kNone) continue;
-      const float next = set.phi.block(end.leaf)[end.node];
-      if ((phi[n] >= 0) != (next >= 0)) area += cell * std::min(cell, static_cast<double>(std::abs(next - phi[n])));
+      const std::size_t stride = strides[static_cast<std::size_t>(axis)];
+      if (n / stride % kBlockSide < kBlockSide - 1) {
+        add(phi[n], phi[n + stride]);
+        continue;
+      }
+      const StoredNode end = next_node(set.octree(), leaf, n, axis);
+      if (end.leaf != Octree::kNone) add(phi[n], set.phi.block(end.leaf)[end.node]);
     }
   return area;
 }

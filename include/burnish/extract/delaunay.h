@@ -1,6 +1,6 @@
 // The zero surface of a level set by Delaunay refinement: well-shaped facets of the size that is asked for.
 //
-// **What it is.** The restricted Delaunay triangulation of the surface phi = 0 (Boissonnat & Oudot 2005, CGAL's Mesh_3): the facets between
+// **What it is.** The restricted Delaunay triangulation of the surface phi = 0 (Boissonnat & Oudot 2005): the facets between
 // tetrahedra whose circumcentres lie inside and outside of it. Points are added on the surface until all facets are small, near to it and
 // well-shaped, and until the surface is a 2-manifold. It is the boundary of a set of tetrahedra, so it is closed and oriented whatever happens, and facets
 // of one triangulation do not intersect.
