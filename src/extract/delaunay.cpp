@@ -1,17 +1,18 @@
 #include "burnish/extract/delaunay.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <functional>
-#include <numbers>
+#include <numeric>
+#include <optional>
 #include <utility>
 
 #include "burnish/core/parallel.h"
-#include "burnish/surface/edge_table.h"
-#include "burnish/surface/inspect.h"
 #include "delaunay_mesher.h"
 #include "field_sampler.h"
+#include "protected_curves.h"
 #include "seeds.h"
+#include "sizing.h"
 
 namespace burnish {
 namespace {
@@ -19,16 +20,14 @@ namespace {
 using namespace detail;
 
 constexpr int kAttempts = 3;
-constexpr double kRadiusPerEdge = 0.80;   // largest radius of facets over the mean length of their edges [T-DELAUNAY-3]
-constexpr double kSpacingPerRadius = 0.95;
-
-// Every edge used twice, in opposite directions, and one fan of facets around each point.
-bool is_closed_manifold(const TriangleSoup& soup) {
-  const EdgeTable table(soup);
-  for (std::size_t e = 0; e < table.size(); ++e)
-    if (table.uses(e).size() != 2 || table.is_misoriented(e)) return false;
-  return non_manifold_points(soup).empty();
-}
+// Measured [T-DELAUNAY-5]: largest radius of facets over the mean length of their edges, and facets per area in units of that length.
+constexpr double kRadiusPerEdge = 0.77;
+constexpr double kFacetsPerArea = 2.3;
+constexpr double kSpacingPerRadius = 0.95;  // of seeds [T-DELAUNAY-2]
+constexpr double kSeedsFromBalls = 0.3;     // edges between seeds and the balls that protect creases
+// Derived limits: ten times the points, and twenty times the calls, that were ever needed.
+constexpr double kMostPointsPerFacet = 5, kMostCallsPerFacet = 1000;
+constexpr double kLeastLimit = 1e5;
 
 class Extraction {
  public:
@@ -38,39 +37,55 @@ class Extraction {
   DelaunaySurface run() {
     surface_ = zero_surface(set_, progress_);
     if (surface_.soup.facets.empty()) return {};
-    double edge = options_.edge;
-    for (int attempt = 0; attempt < kAttempts; ++attempt, edge /= 2) {
-      result_.attempts = attempt + 1;
-      mesh(edge);
-      if (result_.failure.empty()) break;
-    }
+    if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, separated_curves(options_.creases, options_.edge), options_, progress_);
+    else lengths_.assign(surface_.soup.points.size(), options_.edge);
+    double share = 1;
+    do {
+      attempt(share);
+      share /= 2;
+    } while (!result_.failure.empty() && ++result_.attempts < kAttempts);
+    result_.attempts = std::min(result_.attempts + 1, kAttempts);
     result_.oracle_calls = field_.calls();
     if (!result_.failure.empty()) result_.soup = {}, result_.on_crease = {};
     return std::move(result_);
   }
 
  private:
-  void mesh(double edge) {
-    MesherRequest request;
-    request.facet_size = kRadiusPerEdge * edge;
-    request.distance = options_.distance;
-    request.min_angle = options_.min_angle;
-    request.edge_size = edge;
-    request.box = bounding_box(surface_.soup);
-    request.box.lower -= Vec3{1, 1, 1} * (edge + 2);
-    request.box.upper += Vec3{1, 1, 1} * (edge + 2);
-    const double expected = surface_.area / (edge * edge);
-    request.max_points = options_.max_points ? options_.max_points : static_cast<std::size_t>(20 * expected) + 100000;
-    field_.limit(options_.max_oracle_calls ? options_.max_oracle_calls : static_cast<std::size_t>(4000 * expected) + 20000000);
+  // All lengths times `share`.
+  void attempt(double share) {
+    const MesherRequest request = request_of(share);
+    std::vector<double> spacing = lengths_;
+    for (double& s : spacing) s *= share * kRadiusPerEdge * kSpacingPerRadius;
     MesherResult made = mesh_surface(field_, request, [&](const std::vector<std::pair<Vec3, double>>& balls) {
       std::vector<SeedFreeBall> free_of;
-      for (const auto& [center, radius] : balls) free_of.push_back({center, radius + 0.3 * edge});
-      return spread_seeds(surface_, std::vector<double>(surface_.soup.points.size(), kSpacingPerRadius * request.facet_size), free_of, field_);
+      for (const auto& [center, radius] : balls) free_of.push_back({center, radius + kSeedsFromBalls * share * options_.edge});
+      return spread_seeds(surface_, spacing, free_of, field_);
     });
     result_.points += made.soup.points.size();
     result_.failure = made.failure.empty() ? flaw_of(made.soup) : made.failure;
     result_.soup = std::move(made.soup);
     result_.on_crease = std::move(made.on_crease);
+  }
+
+  MesherRequest request_of(double share) {
+    MesherRequest request;
+    const double edge = options_.edge * share, room = std::max(options_.largest_edge, options_.edge) + 2;
+    request.facet_size = kRadiusPerEdge * edge;
+    request.edge_size = edge;
+    request.distance = options_.distance;
+    request.min_angle = options_.min_angle;
+    request.creases = separated_curves(options_.creases, edge);
+    request.box = bounding_box(surface_.soup);
+    request.box.lower -= Vec3{room, room, room};
+    request.box.upper += Vec3{room, room, room};
+    if (options_.edge_tolerance > 0) {
+      if (!by_cell_) by_cell_.emplace(surface_.soup.points, lengths_, options_.edge);
+      request.sizing = [this, share](const Vec3& p) { return share * kRadiusPerEdge * (*by_cell_)(p); };
+    }
+    const double facets = kFacetsPerArea * surface_.area / (edge * edge);
+    request.max_points = options_.max_points ? options_.max_points : static_cast<std::size_t>(kMostPointsPerFacet * facets + kLeastLimit);
+    field_.limit(options_.max_oracle_calls ? options_.max_oracle_calls : static_cast<std::size_t>(kMostCallsPerFacet * (facets + kLeastLimit)));
+    return request;
   }
 
   std::string flaw_of(const TriangleSoup& soup) const {
@@ -88,13 +103,47 @@ class Extraction {
   Progress& progress_;
   FieldSampler field_;
   ZeroSurface surface_;
+  std::vector<double> lengths_;  // of edges, for each point of surface_
+  std::optional<LengthByCell> by_cell_;
   DelaunaySurface result_;
 };
+
+// Area of the zero surface in a leaf's own cells: an edge along axis a that is crossed stands for |n_a| cells squared, and |n_a| is the change of a distance
+// along it. [T-DELAUNAY-6]
+double crossed_area(const LevelSet& set, std::size_t leaf) {
+  constexpr std::array<std::size_t, 3> strides{1, kBlockSide, kBlockSide * kBlockSide};
+  const double cell = 1 << set.octree().level(leaf);
+  const float* phi = set.phi.block(leaf);
+  double area = 0;
+  const auto add = [&](float here, float next) {
+    if ((here >= 0) != (next >= 0)) area += cell * std::min(cell, static_cast<double>(std::abs(next - here)));
+  };
+  for (std::size_t n = 0; n < kBlockNodes; ++n)
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::size_t stride = strides[static_cast<std::size_t>(axis)];
+      if (n / stride % kBlockSide < kBlockSide - 1) {
+        add(phi[n], phi[n + stride]);
+        continue;
+      }
+      const StoredNode end = next_node(set.octree(), leaf, n, axis);
+      if (end.leaf != Octree::kNone) add(phi[n], set.phi.block(end.leaf)[end.node]);
+    }
+  return area;
+}
 
 }  // namespace
 
 DelaunaySurface extract_delaunay(const LevelSet& level_set, const DelaunayOptions& options, Progress& progress) {
+  progress.begin_stage("Delaunay surface");
   return Extraction(level_set, options, progress).run();
+}
+
+std::size_t predicted_facets(const LevelSet& level_set, const DelaunayOptions& options) {
+  std::vector<double> area(level_set.octree().size(), 0);
+  parallel_for(
+      area.size(), [&](std::size_t leaf) { if (level_set.phi.stores(leaf)) area[leaf] = crossed_area(level_set, leaf); }, 64);
+  const double whole = std::accumulate(area.begin(), area.end(), 0.0);
+  return static_cast<std::size_t>(kFacetsPerArea * whole / (options.edge * options.edge));
 }
 
 }  // namespace burnish

@@ -25,6 +25,8 @@
 #include <tuple>
 #include <utility>
 
+#include "seeds.h"
+
 namespace burnish::detail {
 namespace {
 
@@ -81,6 +83,8 @@ using Criteria = CGAL::Mesh_criteria_3<Triangulation>;
 using EdgeCriteria = CGAL::Mesh_edge_criteria_3<Triangulation>;
 using FacetCriteria = CGAL::Mesh_facet_criteria_3<Triangulation>;
 using CellCriteria = CGAL::Mesh_cell_criteria_3<Triangulation>;
+struct TooManyPoints {};
+
 using Vertex = Triangulation::Vertex_handle;
 
 // The size of facets by place.
@@ -142,7 +146,8 @@ bool is_outside(const Triangulation& t, const Domain& domain, Triangulation::Cel
 }
 
 // Facets in the order of the triangulation's container, which is that of creation; points in the order in which facets use them.
-void read_facets(const Complex& complex, const Domain& domain, MesherResult& result) {
+MesherResult facets_of(const Complex& complex, const Domain& domain) {
+  MesherResult result;
   const Triangulation& t = complex.triangulation();
   constexpr std::uint32_t none = std::numeric_limits<std::uint32_t>::max();
   std::vector<std::uint32_t> number;
@@ -163,44 +168,62 @@ void read_facets(const Complex& complex, const Domain& domain, MesherResult& res
     if (!is_outside(t, domain, f->first)) std::swap(facet[1], facet[2]);
     result.soup.facets.push_back(facet);
   }
+  return result;
 }
 
-void refine(const MesherRequest& request, const Domain& domain, const Criteria& criteria, Complex& complex, CGAL::Mesh_error_code& code) {
+// Adds points until all facets meet the criteria and, if `manifold`, until the surface is one: looking for where it is not costs a third of all time.
+void refine(const MesherRequest& request, const Domain& domain, const Criteria& criteria, bool manifold, Complex& complex) {
   namespace p = CGAL::parameters;
+  CGAL::Mesh_error_code code = CGAL::CGAL_MESH_3_NO_ERROR;
 #if CGAL_VERSION_NR >= 1060000000
-  CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb().no_exude().manifold().surface_only().mesh_3_options(
-      p::maximal_number_of_vertices(request.max_points).pointer_to_error_code(&code)));
+  const auto limits = p::maximal_number_of_vertices(request.max_points).pointer_to_error_code(&code);
+  if (manifold)
+    CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb().no_exude().manifold().surface_only().mesh_3_options(limits));
+  else
+    CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb().no_exude().surface_only().mesh_3_options(limits));
 #else
-  CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb(), p::no_exude(), p::manifold(), p::no_reset_c3t3(),
-                      p::mesh_3_options(p::maximal_number_of_vertices = request.max_points, p::pointer_to_error_code = &code));
+  const auto limits = p::mesh_3_options(p::maximal_number_of_vertices = request.max_points, p::pointer_to_error_code = &code);
+  CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb(), p::no_exude(), p::no_reset_c3t3(), limits,
+                      manifold ? p::manifold() : p::non_manifold());
 #endif
+  if (code != CGAL::CGAL_MESH_3_NO_ERROR) throw TooManyPoints{};
+}
+
+void protect_creases(const MesherRequest& request, const Criteria& criteria, Domain& domain, Complex& complex) {
+  if (request.creases.empty()) return;
+  add_creases(request, domain);
+  CGAL::Mesh_error_code code = CGAL::CGAL_MESH_3_NO_ERROR;
+  CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, criteria, false, request.max_points, &code);
+  if (code != CGAL::CGAL_MESH_3_NO_ERROR) throw TooManyPoints{};
+}
+
+MesherResult mesh(FieldSampler& field, const MesherRequest& request, const SeedsFor& seeds_for) {
+  Domain domain(&field, bbox_of(request.box));
+  const Criteria criteria = criteria_of(request);
+  Complex complex;
+  protect_creases(request, criteria, domain, complex);
+  insert_seeds(seeds_for(balls_of(complex)), domain, complex);
+  refine(request, domain, criteria, false, complex);
+  MesherResult result = facets_of(complex, domain);
+  if (is_closed_manifold(result.soup)) return result;
+  refine(request, domain, criteria, true, complex);
+  return facets_of(complex, domain);
 }
 
 }  // namespace
 
 MesherResult mesh_surface(FieldSampler& field, const MesherRequest& request, const SeedsFor& seeds_for) {
-  MesherResult result;
+  MesherResult failed;
   try {
-    Domain domain(&field, bbox_of(request.box));
-    const Criteria criteria = criteria_of(request);
-    Complex complex;
-    CGAL::Mesh_error_code code = CGAL::CGAL_MESH_3_NO_ERROR;
-    if (!request.creases.empty()) {
-      add_creases(request, domain);
-      CGAL::Mesh_3::internal::init_c3t3_with_features(complex, domain, criteria, false, request.max_points, &code);
-    }
-    insert_seeds(seeds_for(balls_of(complex)), domain, complex);
-    refine(request, domain, criteria, complex, code);
-    if (code != CGAL::CGAL_MESH_3_NO_ERROR)
-      result.failure = "more than " + std::to_string(request.max_points) + " points";
-    else
-      read_facets(complex, domain, result);
+    return mesh(field, request, seeds_for);
+  } catch (const TooManyPoints&) {
+    failed.failure = "more than " + std::to_string(request.max_points) + " points";
   } catch (const TooManyCalls&) {
-    result.failure = "more evaluations of the field than allowed";
+    failed.failure = "more evaluations of the field than allowed";
   } catch (const CGAL::Failure_exception& e) {
-    result.failure = std::string("the mesher gave up: ") + e.what();
+    failed.failure = std::string("the mesher gave up: ") + e.what();
   }
-  return result;
+  return failed;
 }
 
 }  // namespace burnish::detail

@@ -6,6 +6,8 @@
 
 #include "burnish/core/union_find.h"
 #include "burnish/extract/marching_tetrahedra.h"
+#include "burnish/surface/edge_table.h"
+#include "burnish/surface/inspect.h"
 #include "point_grid.h"
 
 namespace burnish::detail {
@@ -143,6 +145,13 @@ Topology topology_of(const TriangleSoup& soup) {
   components_of(soup, t.components);
   t.euler = static_cast<std::int64_t>(soup.points.size()) - static_cast<std::int64_t>(soup.facets.size() / 2);
   return t;
+}
+
+bool is_closed_manifold(const TriangleSoup& soup) {
+  const EdgeTable table(soup);
+  for (std::size_t e = 0; e < table.size(); ++e)
+    if (table.uses(e).size() != 2 || table.is_misoriented(e)) return false;
+  return non_manifold_points(soup).empty();
 }
 
 ZeroSurface zero_surface(const LevelSet& level_set, Progress& progress) {

@@ -23,6 +23,9 @@ struct Topology {
 std::vector<std::uint32_t> components_of(const TriangleSoup& soup, std::size_t& count);
 Topology topology_of(const TriangleSoup& soup);
 
+// Whether every edge is used twice, in opposite directions, and there is one fan of facets around each point.
+bool is_closed_manifold(const TriangleSoup& soup);
+
 // The surface by marching tetrahedra: every zero crossing of the lattice is one of its points.
 struct ZeroSurface {
   TriangleSoup soup;

@@ -1,6 +1,6 @@
 // The zero surface of a level set by Delaunay refinement: well-shaped facets of the size that is asked for.
 //
-// **What it is.** The restricted Delaunay triangulation of the surface phi = 0 (Boissonnat & Oudot 2005, CGAL's Mesh_3): the facets between
+// **What it is.** The restricted Delaunay triangulation of the surface phi = 0 (Boissonnat & Oudot 2005): the facets between
 // tetrahedra whose circumcentres lie inside and outside of it. Points are added on the surface until all facets are small, near to it and
 // well-shaped, and until the surface is a 2-manifold. It is the boundary of a set of tetrahedra, so it is closed and oriented whatever happens, and facets
 // of one triangulation do not intersect.
@@ -38,7 +38,7 @@ struct DelaunayOptions {
   double min_angle = 25;   // degrees, of facets away from creases; more than 30 is not promised to end within the limits
   // Polylines to be edges of the result, near the surface; closed if first == last. They may be jagged, meet, and come near to each other. Where they come nearer
   // than half an edge without meeting, and at angles below 20 degrees, they are not protected. Each is followed within an edge's chord.
-  std::vector<std::vector<Vec3>> creases;
+  std::vector<std::vector<Vec3>> creases = {};
   // Limits; 0: derived from the surface's area, so that no surface which these options describe meets them.
   std::size_t max_points = 0;
   std::size_t max_oracle_calls = 0;  // evaluations of the interpolant
