@@ -36,9 +36,8 @@ TriangleSoup staircase() {
     for (int j = 0; j <= i; ++j) {
       quad(turned(i, 0, j), turned(i + 1, 0, j), turned(i + 1, 0, j + 1), turned(i, 0, j + 1));
       quad(turned(i, kSteps, j), turned(i, kSteps, j + 1), turned(i + 1, kSteps, j + 1), turned(i + 1, kSteps, j));
-      quad(turned(kSteps, 0, i), turned(kSteps, kSteps, i), turned(kSteps, kSteps, z), turned(kSteps, 0, z));
-      if (j > 0) soup.facets.resize(soup.facets.size() - 2);  // once a layer
     }
+    quad(turned(kSteps, 0, i), turned(kSteps, kSteps, i), turned(kSteps, kSteps, z), turned(kSteps, 0, z));
     quad(turned(i, 0, z), turned(i + 1, 0, z), turned(i + 1, kSteps, z), turned(i, kSteps, z));
     quad(turned(i, 0, i), turned(i, 0, z), turned(i, kSteps, z), turned(i, kSteps, i));
     quad(turned(i, 0, 0), turned(i, kSteps, 0), turned(i + 1, kSteps, 0), turned(i + 1, 0, 0));
