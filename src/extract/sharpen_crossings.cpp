@@ -268,7 +268,8 @@ class Embedding {
       if (is_settled(c)) continue;
       const ReferenceSurface::Foot foot =
           s_.closest_between(mesh_.target[w.vertex], options_.crease_reach, mesh_.sheet[c.points[0]], mesh_.sheet[c.points[1]]);
-      if (!foot.found() || !fits_around(w.vertex, foot.facet) || !may_snap(w.vertex, foot.point)) continue;
+      if (!foot.found() || !fits_around(w.vertex, foot.facet) || !may_snap(w.vertex, foot.point))
+        continue;
       mesh_.kind[w.vertex] = SharpenedKind::crease;
       mesh_.target[w.vertex] = foot.point;
       crease_of_[w.vertex] = foot.facet;

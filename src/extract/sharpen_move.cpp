@@ -44,7 +44,7 @@ class Mover {
     return foot.found() ? s_.normal(foot.facet) : before;
   }
 
-  // [T-SHARP-3]
+  // [T-SHARP-8]
   bool is_broken(std::uint32_t f) const {
     const auto [a, b, c] = mesh_.facets[f];
     if (a == b) return false;

@@ -8,6 +8,7 @@ namespace {
 // Cosines between a facet and what it should face: no worse than curvature explains, and turned over.
 constexpr double kFacesWell = 0.9;
 constexpr double kTurnedOver = 0.2;
+constexpr double kNoDirection = 1e-6;  // sine of the least angle of a facet without direction
 
 }  // namespace
 
@@ -92,11 +93,11 @@ Vec3 Patch::facing(std::uint32_t f) const {
 
 double Patch::quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& facing) {
   const Vec3 n = cross(b - a, c - a);
-  const double length = norm(n);
-  if (!(length > 0)) return -1;
+  const double length = norm(n), sine = least_sine(a, b, c);
+  if (!(sine > kNoDirection)) return -1;
   const double cosine = squared_norm(facing) > 0 ? dot(n, facing) / length : 1;
   if (cosine < kTurnedOver) return -1;
-  return least_sine(a, b, c) * std::min(1.0, (cosine - kTurnedOver) / (kFacesWell - kTurnedOver));
+  return sine * std::min(1.0, (cosine - kTurnedOver) / (kFacesWell - kTurnedOver));
 }
 
 double Patch::quality_when(std::uint32_t f, std::uint32_t v, const Vec3& at) const {

@@ -157,7 +157,9 @@ class Improver {
       moved = std::min(moved, squared_norm(closest_point_on_triangle(patch_.point(p), x, y, z) - patch_.point(p)));
     }
     const double may = may_move(now.value());
-    if (moved <= may * may && longest_then <= kLonger * kLonger * longest) propose({Action::collapse, p, q}, now.value(), then.value());
+    // A vertex of three facets, one of them turned over, is outside of its ring.
+    const bool may_go = moved <= may * may || (now.value() < 0 && patch_.facets_at(p).size() == 3);
+    if (may_go && longest_then <= kLonger * kLonger * longest) propose({Action::collapse, p, q}, now.value(), then.value());
   }
 
   bool may_collapse_along_crease(std::uint32_t p, std::uint32_t q) const {

@@ -1,6 +1,7 @@
 // Solids with creases, and their way through a lattice to a sharpened surface.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -12,6 +13,7 @@
 #include "burnish/extract/marching_tetrahedra.h"
 #include "burnish/extract/sharpen.h"
 #include "burnish/levelset/from_triangles.h"
+#include "burnish/surface/inspect.h"
 #include "burnish/surface/weld.h"
 #include "support/parts.h"
 #include "support/shapes.h"
@@ -114,16 +116,42 @@ struct Sharpened {
   Creases creases;
   TriangleSoup m;
   SharpenedSurface result;
+  std::size_t rounds = 0;  // until nothing intersected
+  std::size_t stay = 0;    // vertices, in the last one
 };
 
-inline Sharpened sharpened(const TriangleSoup& solid, double cell, const CreaseOptions& which = {}, const std::vector<std::uint8_t>* stays = nullptr) {
+// `stays`: as `sharpen` takes them.
+inline Sharpened sharpened(const TriangleSoup& solid, double cell, const CreaseOptions& which = {}, const std::vector<std::uint8_t>& stays = {}) {
   const GridFrame frame = make_frame(bounding_box(solid), cell, 8);
   Sharpened out;
   out.s = to_lattice(solid, frame);
   out.creases = find_creases(out.s, which);
   out.m = extract_surface(level_set_from_triangles(solid, frame).level_set).soup;
+  out.result = sharpen(out.m, ReferenceSurface(out.s, out.creases), stays);
+  return out;
+}
+
+// The same, again with the vertices that stay around facets that intersect, and one ring more each time, until none do.
+inline Sharpened sharpened_and_settled(const TriangleSoup& solid, double cell, const CreaseOptions& which = {}) {
+  Sharpened out = sharpened(solid, cell, which);
   const ReferenceSurface reference(out.s, out.creases);
-  out.result = sharpen(out.m, reference, stays ? *stays : std::vector<std::uint8_t>(), {});
+  std::vector<std::uint8_t> stays(out.m.points.size(), 0);
+  for (; out.rounds < 8; ++out.rounds) {
+    const auto pairs = self_intersecting_pairs(out.result.soup);
+    if (pairs.empty()) break;
+    for (const auto& pair : pairs)
+      for (const std::uint32_t f : pair)
+        for (const std::uint32_t v : out.result.soup.facets[f])
+          for (const std::uint32_t parent : out.result.parents[v]) stays[parent] = 1;
+    for (std::size_t ring = 0; ring <= out.rounds; ++ring) {
+      const std::vector<std::uint8_t> inner = stays;
+      for (const Facet& f : out.m.facets)
+        if (inner[f[0]] || inner[f[1]] || inner[f[2]])
+          for (const std::uint32_t v : f) stays[v] = 1;
+    }
+    out.result = sharpen(out.m, reference, stays);
+  }
+  out.stay = static_cast<std::size_t>(std::count(stays.begin(), stays.end(), 1));
   return out;
 }
 
