@@ -94,10 +94,10 @@ CollapseStart::CollapseStart(const TriangleSoup& welded, const SimplifyOptions& 
   });
 }
 
-EdgeCollapser::EdgeCollapser(const CollapseStart& start, const SimplifyOptions& options, const std::vector<std::uint32_t>& limit,
+EdgeCollapser::EdgeCollapser(const CollapseStart& start, const SimplifyOptions& options, const std::vector<Restraint>& restraints,
                              DeviationEnvelope* envelope, Progress& progress)
-    : options_(options), envelope_(envelope), progress_(progress), mesh_(start.mesh), kinds_(start.kinds), quadrics_(start.quadrics), limit_(limit),
-      size_(limit.size(), 1), into_(limit.size()), version_(limit.size(), 0), least_shape_(shape_of_angle(options.least_angle)) {
+    : options_(options), envelope_(envelope), progress_(progress), mesh_(start.mesh), kinds_(start.kinds), quadrics_(start.quadrics),
+      restraints_(restraints), size_(restraints.size(), 1), into_(restraints.size()), version_(restraints.size(), 0), least_shape_(shape_of_angle(options.least_angle)) {
   std::iota(into_.begin(), into_.end(), 0u);
 }
 
@@ -211,9 +211,11 @@ bool EdgeCollapser::take(const Candidate& candidate) {
     return false;
   }
   const std::uint32_t a = mesh_.origin(h), b = mesh_.target(h);
-  if (size_[a] + size_[b] > std::min(limit_[a], limit_[b])) return ++beyond_limit_, false;
+  Restraint both = restraints_[a];
+  both.join(restraints_[b]);
+  if (size_[a] + size_[b] > both.most) return ++beyond_limit_, false;
   if (!mesh_.collapsible(h)) return false;
-  if (envelope_ && !envelope_->admits(mesh_, h, now->to)) return ++beyond_deviation_, false;
+  if (envelope_ && !envelope_->admits(mesh_, h, now->to, both.deviation)) return ++beyond_deviation_, false;
   merge(h, *now);
   return true;
 }
@@ -223,7 +225,7 @@ void EdgeCollapser::merge(std::uint32_t h, const Merge& merge) {
   quadrics_[a] = quadrics_[a].moved(merge.to - mesh_.point(a));
   quadrics_[a] += quadrics_[b].moved(merge.to - mesh_.point(b));
   kinds_[a] = std::max(kinds_[a], kinds_[b]);
-  limit_[a] = std::min(limit_[a], limit_[b]);
+  restraints_[a].join(restraints_[b]);
   size_[a] += size_[b];
   version_[a] = std::max(version_[a], version_[b]) + 1;
   into_[b] = a;

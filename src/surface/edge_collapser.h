@@ -1,6 +1,7 @@
 // One run of edge collapses in the order of their costs. Private to src/surface.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <optional>
 #include <queue>
@@ -26,10 +27,24 @@ struct CollapseStart {
   std::vector<ErrorQuadric> quadrics;   // about each point
 };
 
+// What a point of the given surface, and all that merge with it, may do.
+struct Restraint {
+  static constexpr std::uint32_t kNoLimit = 0xffffffffu;
+  static constexpr auto kDeviation = static_cast<float>(DeviationEnvelope::kShare);
+  std::uint32_t most = kNoLimit;  // points that may merge
+  float deviation = kDeviation;   // share of the deviation that they may use
+
+  bool held() const { return most != kNoLimit || deviation != kDeviation; }
+  void join(const Restraint& o) {
+    most = std::min(most, o.most);
+    deviation = std::min(deviation, o.deviation);
+  }
+};
+
 class EdgeCollapser {
  public:
-  // `limit[v]`: how many points of the given surface may merge where v does. `envelope` may be null.
-  EdgeCollapser(const CollapseStart& start, const SimplifyOptions& options, const std::vector<std::uint32_t>& limit, DeviationEnvelope* envelope,
+  // `restraints`: of each point. `envelope` may be null.
+  EdgeCollapser(const CollapseStart& start, const SimplifyOptions& options, const std::vector<Restraint>& restraints, DeviationEnvelope* envelope,
                 Progress& progress);
 
   void run();
@@ -74,7 +89,7 @@ class EdgeCollapser {
   CollapsibleMesh mesh_;
   std::vector<Kind> kinds_;
   std::vector<ErrorQuadric> quadrics_;
-  std::vector<std::uint32_t> limit_;
+  std::vector<Restraint> restraints_;
   std::vector<std::uint32_t> size_;
   std::vector<std::uint32_t> into_;
   std::vector<std::uint32_t> version_;

@@ -26,9 +26,9 @@ namespace burnish {
 
 struct SimplifyOptions {
   // Stop at this many facets: exactly, or one fewer or more. Not given: go on as far as `deviation` allows.
-  std::optional<std::size_t> facets;
+  std::optional<std::size_t> facets{};
   // The largest distance between both surfaces, both ways, in the soup's units. Stronger than `facets`.
-  std::optional<double> deviation;
+  std::optional<double> deviation{};
   // Degrees between normals: sharper edges are creases.
   double crease_angle = 40;
   // Degrees: no collapse makes an angle smaller than this, or smaller than those that are around it already.
