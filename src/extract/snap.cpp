@@ -86,6 +86,20 @@ bool surface_is_a_disc(const std::array<Side, kNeighbors>& side) {
   return curve.is_single_cycle();
 }
 
+// The sides around moved node n when nodes move one by one, the nearest first: those that move later are still where they were.
+std::array<Side, kNeighbors> sides_when_moved(const LatticeView& view, LocalNode n, std::array<Side, kNeighbors> side) {
+  const double here = squared_move(view, n);
+  for (int k = 0; k < kNeighbors; ++k) {
+    Side& other = side[static_cast<std::size_t>(k)];
+    if (other != kOn) continue;
+    const LocalNode at = n + neighbor_step(k);
+    const double there = squared_move(view, at);
+    const bool later = k < kNeighbors / 2 ? here <= there : here < there;  // ties: the lower node first
+    if (later) other = view.sign(at);
+  }
+  return side;
+}
+
 }  // namespace
 
 // [T-SNAP-1]
@@ -133,7 +147,8 @@ bool must_stay(const LatticeView& view, LocalNode n) {
     const double volume = dot(v[1] - v[0], cross(v[2] - v[0], v[3] - v[0]));
     if ((volume < kLeastVolume || on == 3) && farthest) return true;
   }
-  return !surface_is_a_disc(side);
+  // The second keeps the surface's topology, step by step. [T-SNAP-3]
+  return !surface_is_a_disc(side) || !surface_is_a_disc(sides_when_moved(view, n, side));
 }
 
 }  // namespace burnish::detail
