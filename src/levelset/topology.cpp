@@ -236,7 +236,7 @@ class Topology {
         const bool within = kTouched.by_cells_around[n] == 1u << kSelf;
         if (within) continue;
         if (kTouched.by_cell[n] & ~same_[leaf]) {
-          if (sides_around(leaf, kTouched.by_cell[n]) == 3) list_transition_cell(leaf, n);
+          if (sides_around(leaf, kTouched.by_cell[n]) == 3 && !join_uniform_cell(leaf, n)) list_transition_cell(leaf, n);
           continue;
         }
         join_upwards(leaf, n);
@@ -269,6 +269,28 @@ class Topology {
       const std::uint32_t a = id(leaf, n), b = id(other, node);
       if (inside_[a] == inside_[b]) join(a, b);
     }
+  }
+
+  // Joins the nodes of a transition cell if all leaves it touches beyond its own are on the side of its corners here.
+  bool join_uniform_cell(std::size_t leaf, std::size_t n) {
+    std::uint8_t seen = 0;
+    for (int dir = 0; dir < kDirections; ++dir)
+      if (kTouched.by_cell[n] >> dir & 1 && dir != kSelf)
+        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
+    if (seen == 3) return false;
+    const auto for_own_corners = [&](const auto& visit) {
+      for (int corner = 0; corner < 8; ++corner) {
+        const Place at = above(place_of(n), corner);
+        if (at.i < kBlockSide && at.j < kBlockSide && at.k < kBlockSide) visit(node_index(at.i, at.j, at.k));
+      }
+    };
+    for_own_corners([&](std::size_t corner) { seen |= inside_[id(leaf, corner)] ? 1 : 2; });
+    if (seen == 3) return false;
+    for_own_corners([&](std::size_t corner) { join(id(leaf, n), id(leaf, corner)); });
+    for (int dir = 0; dir < kDirections; ++dir)
+      if (kTouched.by_cell[n] >> dir & 1 && dir != kSelf)
+        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) join(id(leaf, n), first_[other]);
+    return true;
   }
 
   // A number for a node of explicit simplices; nodes that no leaf stores become components of their own first.
