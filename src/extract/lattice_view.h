@@ -67,4 +67,88 @@ class LatticeView {
   }
 };
 
+// Copies a leaf's block and the two layers around it that neighbours of its level hold; `outside` elsewhere. No other nodes
+// belong to cells that are cut into Kuhn tetrahedra.
+template <class T, class U>
+void copy_same_level(const Octree& tree, const Field<T>& field, std::size_t leaf, U outside, U* dense) {
+  if (field.empty()) return void(std::fill_n(dense, LatticeView::kNodes, outside));
+  constexpr int w = LatticeView::kWidth;
+  for (int dir = 0; dir < kDirections; ++dir) {
+    const auto [dx, dy, dz] = offset_of(dir);
+    const auto begin = [](int d) { return d < 0 ? -w : d > 0 ? kBlockSide : 0; };
+    const auto length = [](int d) { return d == 0 ? kBlockSide : w; };
+    const bool same = tree.neighbor_kind(leaf, dir) == NeighborKind::same;
+    const T* source = same ? field.block(tree.neighbor(leaf, dir)) : nullptr;
+    const int x = begin(dx) - kBlockSide * dx;
+    for (int k = begin(dz); k < begin(dz) + length(dz); ++k)
+      for (int j = begin(dy); j < begin(dy) + length(dy); ++j) {
+        U* row = dense + LatticeView::at({begin(dx), j, k});
+        if (!same) {
+          std::fill_n(row, length(dx), outside);
+          continue;
+        }
+        const T* from = source + node_index(x, j - kBlockSide * dy, k - kBlockSide * dz);
+        if (dx == 0) std::copy_n(from, kBlockSide, row);
+        else std::copy_n(from, w, row);
+      }
+  }
+}
+
+// The sides of a view's nodes as bits: bit x + 2 of row (y, z). Nodes on the surface, and those that the view knows nothing of, are on neither.
+class SideRows {
+ public:
+  SideRows(const LatticeView& view, std::uint32_t same) {
+    for (int z = -1; z <= kBlockSide; ++z)
+      for (int y = -1; y <= kBlockSide; ++y) {
+        const std::size_t first = LatticeView::at({-LatticeView::kWidth, y, z});
+        unsigned in = 0, stays = 0;
+        for (std::size_t i = 0; i < LatticeView::kSide; ++i) {
+          in |= static_cast<unsigned>(view.phi[first + i] >= 0) << i;
+          stays |= static_cast<unsigned>(view.move[first + i] == kStays) << i;
+        }
+        const unsigned known = stays & known_in_row(same, y, z);
+        in_[row(y, z)] = static_cast<std::uint16_t>(in & known);
+        out_[row(y, z)] = static_cast<std::uint16_t>(~in & known);
+      }
+  }
+
+  // Bit x: node (x, y, z) has a neighbour on the other side.
+  unsigned beside_surface(int y, int z) const {
+    const unsigned in = in_[row(y, z)], out = out_[row(y, z)];
+    return own((in & neighbors(out_, y, z)) | (out & neighbors(in_, y, z)));
+  }
+  // Bit x: the edge from node (x, y, z) in a direction upwards is crossed.
+  unsigned crossed(int y, int z, Step s) const {
+    const std::size_t to = row(y + s.y, z + s.z);
+    return own((in_[row(y, z)] & (out_[to] >> s.x)) | (out_[row(y, z)] & (in_[to] >> s.x)));
+  }
+  // Bit x: the corners of cell (x, y, z) are not all strictly on one side.
+  unsigned cut_cells(int y, int z) const {
+    unsigned in = ~0u, out = ~0u;
+    for (int c = 0; c < 4; ++c) {
+      const std::size_t r = row(y + (c & 1), z + (c >> 1));
+      in &= in_[r] & (in_[r] >> 1);
+      out &= out_[r] & (out_[r] >> 1);
+    }
+    return own(~(in | out));
+  }
+
+ private:
+  using Rows = std::array<std::uint16_t, std::size_t{kBlockSide + 2} * (kBlockSide + 2)>;
+  static constexpr std::size_t row(int y, int z) { return static_cast<std::size_t>((y + 1) + (kBlockSide + 2) * (z + 1)); }
+  static unsigned own(unsigned bits) { return bits >> LatticeView::kWidth & 0xffu; }
+  static unsigned known_in_row(std::uint32_t same, int y, int z) {
+    const auto beyond = [](int i) { return i < 0 ? -1 : i >= kBlockSide ? 1 : 0; };
+    const unsigned kinds = same >> direction(-1, beyond(y), beyond(z)) & 7u;
+    return (kinds & 1 ? 0x003u : 0u) | (kinds & 2 ? 0x3fcu : 0u) | (kinds & 4 ? 0xc00u : 0u);
+  }
+  static unsigned neighbors(const Rows& rows, int y, int z) {
+    const auto up = [&](int dy, int dz) { const unsigned r = rows[row(y + dy, z + dz)]; return r | r >> 1; };
+    const auto down = [&](int dy, int dz) { const unsigned r = rows[row(y - dy, z - dz)]; return r | r << 1; };
+    return up(0, 0) | down(0, 0) | up(1, 0) | down(1, 0) | up(0, 1) | down(0, 1) | up(1, 1) | down(1, 1);
+  }
+
+  Rows in_, out_;
+};
+
 }  // namespace burnish::detail

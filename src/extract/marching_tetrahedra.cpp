@@ -6,6 +6,7 @@
 #include <memory>
 #include <utility>
 
+#include "../levelset/transition_tetrahedra.h"
 #include "burnish/core/parallel.h"
 #include "burnish/surface/weld.h"
 #include "lattice_view.h"
@@ -30,39 +31,14 @@ LocalNode corner_of(LocalNode cell, int corner) {
   return cell + Step{corner & 1, corner >> 1 & 1, corner >> 2 & 1};
 }
 
-// Calls check(direction) until it fails, for every direction of the neighbours beside cell n of a leaf (margin 0) or beside
-// the cells around node n (margin 1).
-template <class Check>
-bool all_touched(LocalNode n, int margin, Check&& check) {
-  const auto low = [&](int i) { return i <= margin ? -1 : 0; };
-  const auto high = [](int i) { return i == kBlockSide - 1 ? 1 : 0; };
-  for (int dz = low(n.z); dz <= high(n.z); ++dz)
-    for (int dy = low(n.y); dy <= high(n.y); ++dy)
-      for (int dx = low(n.x); dx <= high(n.x); ++dx)
-        if (!check(direction(dx, dy, dz))) return false;
-  return true;
-}
-
-// Fills a dense halo of byte fields, `outside` where no leaf of the same level is.
-void gather_bytes(const Octree& tree, const Field<std::uint8_t>& field, std::size_t leaf, std::uint8_t outside,
-                  std::uint8_t* dense) {
-  if (field.empty()) {
-    std::fill_n(dense, LatticeView::kNodes, outside);
-    return;
-  }
-  constexpr int w = LatticeView::kWidth;
-  for (int dir = 0; dir < kDirections; ++dir) {
-    const auto [dx, dy, dz] = offset_of(dir);
-    const auto begin = [](int d) { return d < 0 ? -w : d > 0 ? kBlockSide : 0; };
-    const auto end = [](int d) { return d < 0 ? 0 : d > 0 ? kBlockSide + w : kBlockSide; };
-    const bool same = tree.neighbor_kind(leaf, dir) == NeighborKind::same;
-    const std::uint8_t* source = same ? field.block(tree.neighbor(leaf, dir)) : nullptr;
-    for (int k = begin(dz); k < end(dz); ++k)
-      for (int j = begin(dy); j < end(dy); ++j)
-        for (int i = begin(dx); i < end(dx); ++i)
-          dense[LatticeView::at({i, j, k})] =
-              same ? source[node_index(i - kBlockSide * dx, j - kBlockSide * dy, k - kBlockSide * dz)] : outside;
-  }
+// Without an instruction for it on every processor.
+unsigned count_bits(std::uint8_t bits) {
+  static constexpr auto kCounts = [] {
+    std::array<std::uint8_t, 256> counts{};
+    for (std::size_t i = 1; i < counts.size(); ++i) counts[i] = static_cast<std::uint8_t>(counts[i / 2] + i % 2);
+    return counts;
+  }();
+  return kCounts[bits];
 }
 
 template <class T>
@@ -85,71 +61,26 @@ class Extractor {
 
  private:
   void load(std::size_t leaf, LatticeView& view) const {
-    for (int dir = 0; dir < kDirections; ++dir) {
-      const auto [dx, dy, dz] = offset_of(dir);
-      if (is_same_level(leaf, dir))
-        copy_same_level(tree_.neighbor(leaf, dir), {dx, dy, dz}, view);
-      else if (dx >= 0 && dy >= 0 && dz >= 0 && may_be_cut_towards(leaf, dir))
-        interpolate_layer(leaf, {dx, dy, dz}, view);
-      else
-        continue_outwards(leaf, {dx, dy, dz}, view);
-    }
-    gather_bytes(tree_, moves_, leaf, kStays, view.move.data());
-    gather_bytes(tree_, marked_plain(), leaf, 0, view.plain.data());
+    copy_same_level(tree_, set_.phi, leaf, 0.0, view.phi.data());
+    copy_same_level(tree_, moves_, leaf, kStays, view.move.data());
+    copy_same_level(tree_, marked_plain(), leaf, std::uint8_t{0}, view.plain.data());
   }
   const Field<std::uint8_t>& marked_plain() const {
     static const Field<std::uint8_t> none;
     return options_.plain ? options_.plain->marked : none;
   }
 
-  // Calls visit(i, j, k) for the halo nodes in a direction, in `layers` layers.
-  template <class Visit>
-  static void for_halo(const std::array<int, 3>& d, int layers, Visit&& visit) {
-    const auto begin = [&](int a) { return a < 0 ? -layers : a > 0 ? kBlockSide : 0; };
-    const auto end = [&](int a) { return a < 0 ? 0 : a > 0 ? kBlockSide + layers : kBlockSide; };
-    for (int k = begin(d[2]); k < end(d[2]); ++k)
-      for (int j = begin(d[1]); j < end(d[1]); ++j)
-        for (int i = begin(d[0]); i < end(d[0]); ++i) visit(i, j, k);
-  }
-  void copy_same_level(std::size_t other, const std::array<int, 3>& d, LatticeView& view) const {
-    const T* source = set_.phi.block(other);
-    for_halo(d, LatticeView::kWidth, [&](int i, int j, int k) {
-      view.phi[LatticeView::at({i, j, k})] = source[node_index(i - kBlockSide * d[0], j - kBlockSide * d[1], k - kBlockSide * d[2])];
-    });
-  }
-  // Whether cells that have nodes in a neighbour of another level, upwards, may be cut there.
-  bool may_be_cut_towards(std::size_t leaf, int dir) const {
-    const auto [dx, dy, dz] = offset_of(dir);
-    std::uint8_t seen = 0;
-    for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
-    const T* phi = set_.phi.block(leaf);
-    const auto begin = [](int a) { return a > 0 ? kBlockSide - 1 : 0; };
-    for (int k = begin(dz); k < kBlockSide && seen != 3; ++k)
-      for (int j = begin(dy); j < kBlockSide; ++j)
-        for (int i = begin(dx); i < kBlockSide; ++i) seen |= static_cast<std::uint8_t>(phi[node_index(i, j, k)] >= 0 ? 1 : 2);
-    return seen == 3;
-  }
-  // Only the first layer belongs to cells of the leaf. No move looks at it.
-  void interpolate_layer(std::size_t leaf, const std::array<int, 3>& d, LatticeView& view) const {
-    for_halo(d, 1, [&](int i, int j, int k) {
-      view.phi[LatticeView::at({i, j, k})] = static_cast<T>(node_value(tree_, set_.phi, lattice_node(tree_, leaf, i, j, k)));
-    });
-  }
-  // The nearest node's value: where nothing is cut, it only has to have the right sign.
-  void continue_outwards(std::size_t leaf, const std::array<int, 3>& d, LatticeView& view) const {
-    const T* phi = set_.phi.block(leaf);
-    const auto inside = [](int i) { return std::clamp(i, 0, kBlockSide - 1); };
-    for_halo(d, LatticeView::kWidth, [&](int i, int j, int k) { view.phi[LatticeView::at({i, j, k})] = phi[node_index(inside(i), inside(j), inside(k))]; });
-  }
-
-  bool is_same_level(std::size_t leaf, int dir) const { return tree_.neighbor_kind(leaf, dir) == NeighborKind::same; }
   // Whether a cell is cut here, in Kuhn tetrahedra; the others are transition cells.
-  bool is_plain_cell(std::size_t leaf, LocalNode cell) const {
-    return all_touched(cell, 0, [&](int dir) { return is_same_level(leaf, dir); });
-  }
+  bool is_plain_cell(std::size_t leaf, std::size_t n) const { return !(kTouched.by_cell[n] & ~same_[leaf]); }
   // Transition cells know nothing of moved nodes.
-  bool may_move(std::size_t leaf, LocalNode n) const {
-    return all_touched(n, 1, [&](int dir) { return is_same_level(leaf, dir); });
+  bool may_move(std::size_t leaf, std::size_t n) const { return !(kTouched.by_cells_around[n] & ~same_[leaf]); }
+
+  // Calls visit(node) for the bits that are set in rows(y, z), in order.
+  template <class Rows, class Visit>
+  static void for_set_bits(Rows&& rows, Visit&& visit) {
+    for (int z = 0; z < kBlockSide; ++z)
+      for (int y = 0; y < kBlockSide; ++y)
+        for (unsigned bits = rows(y, z); bits != 0; bits &= bits - 1) visit(node_index(std::countr_zero(bits), y, z));
   }
 
   // Runs body(leaf, view) for the listed leaves in parallel, with a view per chunk.
@@ -165,30 +96,25 @@ class Extractor {
     });
   }
 
-  // Bit 0: the leaf stores an inside node, bit 1: an outside one.
-  std::vector<std::uint8_t> sides_of_leaves() const {
-    std::vector<std::uint8_t> sides(tree_.size(), 0);
-    parallel_for(
-        tree_.size(),
-        [&](std::size_t leaf) {
-          const T* phi = set_.phi.block(leaf);
-          for (std::size_t n = 0; n < kBlockNodes && sides[leaf] != 3; ++n) sides[leaf] |= phi[n] >= 0 ? 1 : 2;
-        },
-        256);
-    return sides;
+  // The sides, 1 inside and 2 outside, of the leaf's nodes and of those of its neighbours in some directions.
+  std::uint8_t sides_around(std::size_t leaf, std::uint32_t directions) const {
+    std::uint8_t seen = sides_[leaf];
+    for (int dir = 0; dir < kDirections && seen != 3; ++dir)
+      if (directions >> dir & 1 && dir != kSelf)
+        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
+    return seen;
   }
 
   // Leaves with cells that the surface may cut, and the leaves that own these cells' upper nodes.
   void find_cut_leaves() {
-    sides_ = sides_of_leaves();
+    sides_.resize(tree_.size());
+    same_.resize(tree_.size());
+    parallel_for(tree_.size(), [&](std::size_t leaf) {
+      sides_[leaf] = set_.phi.stores(leaf) ? sides_of(set_.phi.block(leaf)) : set_.phi.block(leaf)[0] >= 0 ? 1 : 2;
+      same_[leaf] = same_level_directions(tree_, leaf);
+    }, 256);
     std::vector<char> cut(tree_.size(), 0);
-    for (std::size_t leaf = 0; leaf < tree_.size(); ++leaf) {
-      std::uint8_t seen = sides_[leaf];
-      for (int corner = 1; corner < 8; ++corner)
-        for (const std::uint32_t other : tree_.neighbors(leaf, direction(corner & 1, corner >> 1 & 1, corner >> 2 & 1)))
-          seen |= sides_[other];
-      cut[leaf] = seen == 3;
-    }
+    parallel_for(tree_.size(), [&](std::size_t leaf) { cut[leaf] = sides_around(leaf, kUpper) == 3; }, 256);
     std::vector<char> owns = cut;
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf) {
       if (!cut[leaf]) continue;
@@ -211,8 +137,11 @@ class Extractor {
     Field<Move> wanted = Field<Move>::like(set_.phi, kStays, kStays);
     for_leaves(owners_, [&](std::size_t, std::uint32_t leaf, const LatticeView& view) {
       if (!wanted.stores(leaf)) return;  // far from the surface
-      for (std::size_t n = 0; n < kBlockNodes; ++n)
-        if (may_move(leaf, local_node(n))) wanted.block(leaf)[n] = best_move(view, local_node(n));
+      const SideRows rows(view, same_[leaf]);
+      for_set_bits([&](int y, int z) { return rows.beside_surface(y, z); },
+                   [&](std::size_t n) {
+                     if (may_move(leaf, n)) wanted.block(leaf)[n] = best_move(view, local_node(n));
+                   });
     });
     moves_ = std::move(wanted);
     std::vector<std::uint32_t> check = owners_;
@@ -240,14 +169,15 @@ class Extractor {
   void add_leaves_of_moved_nodes() {
     std::vector<char> cut(tree_.size(), 0);
     for (const std::uint32_t leaf : cut_leaves_) cut[leaf] = 1;
-    for (const std::uint32_t leaf : owners_)
-      for (std::size_t n = 0; n < kBlockNodes; ++n) {
-        if (moves_.block(leaf)[n] == kStays) continue;
-        all_touched(local_node(n), 0, [&](int dir) {
-          cut[tree_.neighbor(leaf, dir)] = 1;
-          return true;
-        });
-      }
+    std::vector<std::uint32_t> touched(owners_.size(), 0);
+    parallel_for(owners_.size(), [&](std::size_t i) {
+      const Move* moves = moves_.block(owners_[i]);
+      for (std::size_t n = 0; n < kBlockNodes; ++n)
+        if (moves[n] != kStays) touched[i] |= kTouched.by_cell[n];
+    }, kLeafGrain);
+    for (std::size_t i = 0; i < owners_.size(); ++i)
+      for (int dir = 0; dir < kDirections; ++dir)
+        if (touched[i] >> dir & 1) cut[tree_.neighbor(owners_[i], dir)] = 1;
     cut_leaves_.clear();
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf)
       if (cut[leaf]) cut_leaves_.push_back(leaf);
@@ -258,17 +188,17 @@ class Extractor {
     masks_.assign(owners_.size() * kBlockNodes, 0);
     ranks_.assign(owners_.size() * kBlockNodes, 0);
     first_.assign(owners_.size() + 1, 0);
-    for_leaves(owners_, [&](std::size_t slot, std::uint32_t, const LatticeView& view) {
+    for_leaves(owners_, [&](std::size_t slot, std::uint32_t leaf, const LatticeView& view) {
+      std::uint8_t* masks = masks_.data() + slot * kBlockNodes;
+      const SideRows rows(view, same_[leaf]);
+      for (std::uint8_t d = 0; d < kEdgeSteps.size(); ++d)
+        for_set_bits([&](int y, int z) { return rows.crossed(y, z, kEdgeSteps[d]); },
+                     [&](std::size_t n) { masks[n] |= static_cast<std::uint8_t>(1u << d); });
       std::uint16_t rank = 0;
       for (std::size_t n = 0; n < kBlockNodes; ++n) {
-        const LocalNode here = local_node(n);
-        const Side side = view.side(here);
-        std::uint8_t mask = side == kOn ? 0x80 : 0;
-        for (std::size_t d = 0; d < kEdgeSteps.size() && side != kOn; ++d)
-          if (view.side(here + kEdgeSteps[d]) == -side) mask |= static_cast<std::uint8_t>(1u << d);
-        masks_[slot * kBlockNodes + n] = mask;
+        if (view.side(local_node(n)) == kOn) masks[n] |= 0x80;
         ranks_[slot * kBlockNodes + n] = rank;
-        rank = static_cast<std::uint16_t>(rank + std::popcount(mask));
+        rank = static_cast<std::uint16_t>(rank + count_bits(masks[n]));
       }
       first_[slot] = rank;
     });
@@ -294,7 +224,7 @@ class Extractor {
       std::size_t v = first_[slot];
       for (std::size_t n = 0; n < kBlockNodes; ++n) {
         const std::uint8_t mask = masks_[slot * kBlockNodes + n];
-        for (std::uint8_t d = 0; d < 8; ++d) {
+        for (std::uint8_t d = 0; mask >> d != 0; ++d) {
           if (!(mask >> d & 1)) continue;
           const LocalNode here = local_node(n);
           result_.soup.points[v] = vertex_position(leaf, view, here, d);
@@ -311,7 +241,7 @@ class Extractor {
     const std::size_t slot = slot_[tree_.neighbor(leaf, dir)];
     const std::size_t at = slot * kBlockNodes + node_index(n.x % kBlockSide, n.y % kBlockSide, n.z % kBlockSide);
     const unsigned below = masks_[at] & ((1u << d) - 1);
-    return static_cast<std::uint32_t>(first_[slot] + ranks_[at] + static_cast<unsigned>(std::popcount(below)));
+    return static_cast<std::uint32_t>(first_[slot] + ranks_[at] + count_bits(static_cast<std::uint8_t>(below)));
   }
 
   void cut_cell(std::size_t leaf, const LatticeView& view, LocalNode cell, std::vector<Facet>& out) const {
@@ -356,78 +286,79 @@ class Extractor {
     }
   }
 
-  static bool is_cut(const LatticeView& view, LocalNode cell) {
-    const Side first = view.side(cell);
-    for (int c = 1; c < 8; ++c)
-      if (view.side(corner_of(cell, c)) != first) return true;
-    return false;
-  }
-
-  // By direction: the sides (1 inside, 2 outside) of the nodes that finer leaves store on this leaf's upper boundary.
-  // These are its hanging nodes with values of their own; all others are interpolated between corners of cells.
-  std::array<std::uint8_t, kDirections> sides_of_hanging_nodes(std::size_t leaf) const {
-    std::array<std::uint8_t, kDirections> sides{};
-    for (int corner = 1; corner < 8; ++corner) {
-      const std::array<int, 3> d{corner & 1, corner >> 1 & 1, corner >> 2 & 1};
-      const int dir = direction(d[0], d[1], d[2]);
-      if (tree_.neighbor_kind(leaf, dir) != NeighborKind::finer) continue;
-      std::uint8_t seen = 0;
-      for (const std::uint32_t finer : tree_.neighbors(leaf, dir))
-        for (int k = 0; k < (d[2] ? 1 : kBlockSide); ++k)
-          for (int j = 0; j < (d[1] ? 1 : kBlockSide); ++j)
-            for (int i = 0; i < (d[0] ? 1 : kBlockSide); ++i)
-              seen |= static_cast<std::uint8_t>(set_.phi.block(finer)[node_index(i, j, k)] >= 0 ? 1 : 2);
-      sides[static_cast<std::size_t>(dir)] = seen;
-    }
-    return sides;
-  }
-
-  // Whether the surface may cut a transition cell: its corners, or hanging nodes it may have, are on both sides.
-  static bool may_be_cut(const LatticeView& view, LocalNode cell, const std::array<std::uint8_t, kDirections>& hanging) {
-    if (is_cut(view, cell)) return true;
-    std::uint8_t seen = view.side(cell) == kIn ? 1 : 2;
-    all_touched(cell, 0, [&](int dir) {
-      seen |= hanging[static_cast<std::size_t>(dir)];
-      return true;
-    });
-    return seen == 3;
+  // Cells of a leaf with hanging nodes, or beside them, that the surface may cut: the leaves that hold its nodes are on both sides.
+  void find_transition_cells(std::uint32_t leaf, std::vector<std::uint16_t>& cells) const {
+    for (std::size_t n = 0; n < kBlockNodes; ++n)
+      if (!is_plain_cell(leaf, n) && sides_around(leaf, kTouched.by_cell[n]) == 3) cells.push_back(static_cast<std::uint16_t>(n));
   }
 
   void cut_cells() {
     std::vector<std::vector<Facet>> facets(cut_leaves_.size());
-    std::vector<std::vector<LatticeNode>> transition(cut_leaves_.size());
+    std::vector<std::vector<std::uint16_t>> transition(cut_leaves_.size());
     for_leaves(cut_leaves_, [&](std::size_t i, std::uint32_t leaf, const LatticeView& view) {
-      const auto hanging = sides_of_hanging_nodes(leaf);
-      for (std::size_t n = 0; n < kBlockNodes; ++n) {
-        const LocalNode cell = local_node(n);
-        if (is_plain_cell(leaf, cell)) {
-          if (is_cut(view, cell)) cut_cell(leaf, view, cell, facets[i]);
-        } else if (may_be_cut(view, cell, hanging)) {
-          transition[i].push_back(lattice_node(tree_, leaf, cell.x, cell.y, cell.z));
-        }
-      }
+      facets[i].reserve(kUsualFacets);
+      const SideRows rows(view, same_[leaf]);
+      for_set_bits([&](int y, int z) { return rows.cut_cells(y, z); },
+                   [&](std::size_t n) {
+                     if (is_plain_cell(leaf, n)) cut_cell(leaf, view, local_node(n), facets[i]);
+                   });
+      if (same_[leaf] != kAllSame) find_transition_cells(leaf, transition[i]);
     });
-    std::size_t total = 0;
-    for (const auto& part : facets) total += part.size();
-    result_.soup.facets.reserve(total);
-    for (const auto& part : facets) result_.soup.facets.insert(result_.soup.facets.end(), part.begin(), part.end());
-    for (std::size_t i = 0; i < transition.size(); ++i)
-      for (const LatticeNode& cell : transition[i]) {
-        const std::size_t before = result_.soup.facets.size();
-        cut_transition_cell(tree_, set_.phi, marked_plain(), cut_leaves_[i], cell, result_.soup);
-        result_.transition_cells += result_.soup.facets.size() > before;
-      }
-    if (result_.transition_cells == 0) return;
-    // Both kinds of cells compute the vertices they share alike, so exact coordinates join them.
-    result_.soup = weld(std::move(result_.soup));
-    result_.origins.clear();
+    join_facets(facets);
+    cut_transition_cells(transition);
   }
+
+  void join_facets(const std::vector<std::vector<Facet>>& facets) {
+    std::vector<std::size_t> first(facets.size());
+    for (std::size_t i = 0; i < facets.size(); ++i) first[i] = facets[i].size();
+    result_.soup.facets.resize(exclusive_scan_in_place(first));
+    parallel_for(facets.size(), [&](std::size_t i) {
+      std::copy(facets[i].begin(), facets[i].end(), result_.soup.facets.begin() + static_cast<std::ptrdiff_t>(first[i]));
+    }, kLeafGrain);
+  }
+
+  void cut_transition_cells(const std::vector<std::vector<std::uint16_t>>& cells) {
+    std::vector<TriangleSoup> parts(cells.size());
+    std::vector<std::vector<VertexOrigin>> origins(cells.size());
+    std::vector<std::size_t> counts(cells.size(), 0);
+    parallel_for(cells.size(), [&](std::size_t i) {
+      const std::uint32_t leaf = cut_leaves_[i];
+      for (const std::uint16_t n : cells[i]) {
+        const LocalNode cell = local_node(n);
+        cut_transition_cell(tree_, set_.phi, marked_plain(), leaf, lattice_node(tree_, leaf, cell.x, cell.y, cell.z), parts[i]);
+        counts[i] += parts[i].points.size() > origins[i].size();
+        origins[i].resize(parts[i].points.size(), {leaf, n, 7});
+      }
+    }, kLeafGrain);
+    for (std::size_t i = 0; i < parts.size(); ++i) {
+      const auto first = static_cast<std::uint32_t>(result_.soup.points.size());
+      result_.transition_cells += counts[i];
+      result_.soup.points.insert(result_.soup.points.end(), parts[i].points.begin(), parts[i].points.end());
+      result_.origins.insert(result_.origins.end(), origins[i].begin(), origins[i].end());
+      for (const Facet& f : parts[i].facets) result_.soup.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
+    }
+    if (result_.transition_cells > 0) weld_with_origins();
+  }
+
+  // Both kinds of cells compute the vertices they share alike, so exact coordinates join them.
+  void weld_with_origins() {
+    TriangleSoup joined = weld(result_.soup);
+    std::vector<VertexOrigin> origins(joined.points.size());
+    for (std::size_t f = joined.facets.size(); f-- > 0;)
+      for (std::size_t i = 3; i-- > 0;) origins[joined.facets[f][i]] = result_.origins[result_.soup.facets[f][i]];
+    result_.soup = std::move(joined);
+    result_.origins = std::move(origins);
+  }
+
+  static constexpr std::uint32_t kUpper = touched_by_cell(kBlockSide - 1, kBlockSide - 1, kBlockSide - 1);
+  static constexpr std::size_t kUsualFacets = 256;  // of a leaf
 
   const BasicLevelSet<T>& set_;
   const Octree& tree_;
   const ExtractOptions& options_;
   Progress& progress_;
-  std::vector<std::uint8_t> sides_;        // of each leaf: which signs its nodes have
+  std::vector<std::uint8_t> sides_;        // of leaves: bit 0 with inside nodes, bit 1 with outside nodes
+  std::vector<std::uint32_t> same_;        // of leaves: directions of neighbours of their level
   std::vector<std::uint32_t> cut_leaves_;  // with cells that the surface cuts
   std::vector<std::uint32_t> owners_;      // with nodes that own vertices
   std::vector<std::uint32_t> slot_;        // leaf -> place among the owners
@@ -448,20 +379,31 @@ ExtractedSurface extract_surface(const BasicLevelSet<T>& level_set, const Extrac
 template ExtractedSurface extract_surface(const BasicLevelSet<float>&, const ExtractOptions&, Progress&);
 template ExtractedSurface extract_surface(const BasicLevelSet<double>&, const ExtractOptions&, Progress&);
 
+namespace {
+
+// Marks the stored node at or below a lattice node of the domain.
+void mark_node(const Octree& tree, const LatticeNode& at, Field<std::uint8_t>& marked) {
+  const auto side = static_cast<std::int32_t>(tree.side()) * kBlockSide;
+  if (std::min({at.x, at.y, at.z}) < 0 || std::max({at.x, at.y, at.z}) >= side) return;
+  const auto block = [](std::int32_t x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
+  const std::uint32_t leaf = tree.find({block(at.x), block(at.y), block(at.z)});
+  const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);
+  const int level = tree.level(leaf);
+  marked.block(leaf)[node_index((at.x - first.x) >> level, (at.y - first.y) >> level, (at.z - first.z) >> level)] = 1;
+}
+
+}  // namespace
+
 void mark_plain(const Octree& tree, const std::vector<VertexOrigin>& vertices, PlainNodes& plain) {
   if (plain.marked.empty()) plain.marked = Field<std::uint8_t>(tree.size(), 0);
   for (const VertexOrigin& v : vertices) {
     const LocalNode n = local_node(v.node);
-    for (int dz = -1; dz <= 2; ++dz)
-      for (int dy = -1; dy <= 2; ++dy)
-        for (int dx = -1; dx <= 2; ++dx) {
-          const std::array<int, 3> at{n.x + dx, n.y + dy, n.z + dz};
-          const auto over = [](int i) { return i < 0 ? -1 : i >= kBlockSide ? 1 : 0; };
-          const int dir = direction(over(at[0]), over(at[1]), over(at[2]));
-          if (tree.neighbor_kind(v.leaf, dir) != NeighborKind::same) continue;
-          const auto wrap = [](int i) { return (i + kBlockSide) % kBlockSide; };
-          plain.marked.block(tree.neighbor(v.leaf, dir))[node_index(wrap(at[0]), wrap(at[1]), wrap(at[2]))] = 1;
-        }
+    // Finer neighbours have nodes half a cell apart.
+    const int half = std::max(1, (1 << tree.level(v.leaf)) / 2);
+    const LatticeNode low = lattice_node(tree, v.leaf, n.x - 1, n.y - 1, n.z - 1), high = lattice_node(tree, v.leaf, n.x + 2, n.y + 2, n.z + 2);
+    for (int z = low.z; z <= high.z; z += half)
+      for (int y = low.y; y <= high.y; y += half)
+        for (int x = low.x; x <= high.x; x += half) mark_node(tree, {x, y, z}, plain.marked);
   }
 }
 

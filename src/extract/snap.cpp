@@ -25,16 +25,17 @@ class LinkCurve {
   static int edge_point(int a, int b) { return kNeighbors + std::min(a, b) * kNeighbors + std::max(a, b); }
 
   void link(int p, int q) {
-    for (const int point : {p, q}) {
+    for (const int i : {p, q}) {
+      const auto point = static_cast<std::size_t>(i);
       if (degree_[point] == 0) {
-        parent_[point] = point;
+        parent_[point] = static_cast<std::uint8_t>(point);
         ++components_;
       }
       if (++degree_[point] > 2) branches_ = true;
       points_ += degree_[point] == 1;
       odd_ += degree_[point] == 1 ? 1 : -1;
     }
-    const int a = find(p), b = find(q);
+    const std::uint8_t a = find(p), b = find(q);
     if (a != b) {
       parent_[a] = b;
       --components_;
@@ -43,14 +44,15 @@ class LinkCurve {
   bool is_single_cycle() const { return points_ >= 3 && components_ == 1 && odd_ == 0 && !branches_; }
 
  private:
-  int find(int p) const {
+  std::uint8_t find(int i) const {
+    auto p = static_cast<std::uint8_t>(i);
     while (parent_[p] != p) p = parent_[p];
     return p;
   }
 
-  static constexpr int kPoints = kNeighbors + kNeighbors * kNeighbors;
-  std::array<int, kPoints> degree_{};
-  std::array<int, kPoints> parent_{};
+  static constexpr int kPoints = kNeighbors + kNeighbors * kNeighbors;  // < 256
+  std::array<std::uint8_t, kPoints> degree_{};
+  std::array<std::uint8_t, kPoints> parent_;  // of points that have a degree
   int points_ = 0, components_ = 0, odd_ = 0;
   bool branches_ = false;
 };
@@ -84,6 +86,20 @@ bool surface_is_a_disc(const std::array<Side, kNeighbors>& side) {
     if (ons == 3) return false;
   }
   return curve.is_single_cycle();
+}
+
+// The sides around moved node n when nodes move one by one, the nearest first: those that move later are still where they were.
+std::array<Side, kNeighbors> sides_when_moved(const LatticeView& view, LocalNode n, std::array<Side, kNeighbors> side) {
+  const double here = squared_move(view, n);
+  for (int k = 0; k < kNeighbors; ++k) {
+    Side& other = side[static_cast<std::size_t>(k)];
+    if (other != kOn) continue;
+    const LocalNode at = n + neighbor_step(k);
+    const double there = squared_move(view, at);
+    const bool later = k < kNeighbors / 2 ? here <= there : here < there;  // ties: the lower node first
+    if (later) other = view.sign(at);
+  }
+  return side;
 }
 
 }  // namespace
@@ -133,7 +149,8 @@ bool must_stay(const LatticeView& view, LocalNode n) {
     const double volume = dot(v[1] - v[0], cross(v[2] - v[0], v[3] - v[0]));
     if ((volume < kLeastVolume || on == 3) && farthest) return true;
   }
-  return !surface_is_a_disc(side);
+  // The second keeps the surface's topology, step by step. [T-SNAP-3]
+  return !surface_is_a_disc(side) || !surface_is_a_disc(sides_when_moved(view, n, side));
 }
 
 }  // namespace burnish::detail

@@ -1,0 +1,212 @@
+// The tetrahedra of a cell with hanging nodes, or beside one: what extraction cuts and topology counts.
+//
+// The cell may have finer neighbours across any of its faces and edges: a face split in four contributes eight triangles, a face with split
+// edges only a fan from its centre, any other the two of the Kuhn subdivision; neighbours derive the same. Cells without
+// hanging nodes become the six Kuhn tetrahedra.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+#include "burnish/octree/field.h"
+
+namespace burnish::detail {
+
+// The six tetrahedra of a cell along its main diagonal, corners numbered x + 2 y + 4 z, in the order along the diagonal. [T-MT-1]
+inline constexpr std::array<std::array<int, 4>, 6> kKuhnPaths{
+    {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
+
+// The directions, as bits, of the leaves that hold corners of a leaf's cell, the leaf itself among them.
+constexpr std::uint32_t touched_by_cell(int i, int j, int k) {
+  const auto low = [](int x) { return x == 0 ? -1 : 0; };
+  const auto high = [](int x) { return x == kBlockSide - 1 ? 1 : 0; };
+  std::uint32_t bits = 0;
+  for (int dz = low(k); dz <= high(k); ++dz)
+    for (int dy = low(j); dy <= high(j); ++dy)
+      for (int dx = low(i); dx <= high(i); ++dx) bits |= 1u << direction(dx, dy, dz);
+  return bits;
+}
+
+struct TouchedDirections {
+  std::array<std::uint32_t, kBlockNodes> by_cell{};         // by the cell above a node
+  std::array<std::uint32_t, kBlockNodes> by_cells_around{};  // by any of the eight cells around a node
+};
+
+constexpr TouchedDirections touched_directions() {
+  TouchedDirections touched;
+  for (int k = 0; k < kBlockSide; ++k)
+    for (int j = 0; j < kBlockSide; ++j)
+      for (int i = 0; i < kBlockSide; ++i) {
+        const auto below = [](int x) { return x == 0 ? 0 : x - 1; };
+        touched.by_cell[node_index(i, j, k)] = touched_by_cell(i, j, k);
+        for (const int x : {below(i), i})
+          for (const int y : {below(j), j})
+            for (const int z : {below(k), k}) touched.by_cells_around[node_index(i, j, k)] |= touched_by_cell(x, y, z);
+      }
+  return touched;
+}
+inline constexpr TouchedDirections kTouched = touched_directions();
+
+// The directions, as bits, in which a leaf has neighbours of its own level. A cell is cut into Kuhn tetrahedra if it touches
+// no others; else it is a transition cell.
+inline constexpr std::uint32_t kAllSame = (1u << kDirections) - 1;
+inline std::uint32_t same_level_directions(const Octree& tree, std::size_t leaf) {
+  std::uint32_t bits = 0;
+  for (int dir = 0; dir < kDirections; ++dir)
+    if (tree.neighbor_kind(leaf, dir) == NeighborKind::same) bits |= 1u << dir;
+  return bits;
+}
+
+// Whether the surface has inside (bit 0) and outside (bit 1) nodes among 512.
+template <class T>
+std::uint8_t sides_of(const T* phi) {
+  std::uint8_t seen = 0;
+  for (std::size_t row = 0; row < kBlockNodes && seen != 3; row += kBlockSide)
+    for (std::size_t i = 0; i < kBlockSide; ++i) seen |= phi[row + i] >= 0 ? 1 : 2;
+  return seen;
+}
+
+struct ValuedNode {
+  LatticeNode at;
+  double phi;
+};
+using ValuedTetrahedron = std::array<ValuedNode, 4>;
+
+// One cell of a leaf with its 27 possible nodes: corners, edge middles, face centres, centre. Node (i, j, k), each 0..2,
+// stands half a cell apart. [T-MT-4]
+template <class T>
+class TransitionCell {
+ public:
+  TransitionCell(const Octree& tree, const Field<T>& phi, std::size_t leaf, LatticeNode cell)
+      : tree_(tree), phi_(phi), leaf_(leaf), cell_(cell), size_(1 << tree.level(leaf)) {
+    const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);
+    local_ = {(cell.x - first.x) / size_, (cell.y - first.y) / size_, (cell.z - first.z) / size_};
+    for (std::size_t n = 0; n < known_.size(); ++n) known_[n] = std::numeric_limits<double>::quiet_NaN();
+  }
+
+  // Calls visit(tetrahedron) for all tetrahedra of the cell, oriented either way.
+  template <class Visit>
+  void for_each_tetrahedron(Visit&& visit) {
+    if (!has_hanging_nodes()) {
+      for (const auto& path : kKuhnPaths) {
+        const auto corner = [&](std::size_t i) {
+          const int c = path[i];
+          return node((c & 1) * 2, (c >> 1 & 1) * 2, (c >> 2 & 1) * 2);
+        };
+        visit(ValuedTetrahedron{corner(0), corner(1), corner(2), corner(3)});
+      }
+      return;
+    }
+    const ValuedNode apex = mean_of_corners({0, 0, 0}, {2, 2, 2});
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int end : {0, 2}) visit_face(axis, end, apex, visit);
+  }
+
+ private:
+  // The kind of neighbour beyond the cell in a direction, if the cell touches its leaf's boundary there.
+  bool finer_beyond(std::array<int, 3> toward) const {
+    const std::array<int, 3>& at = local_;
+    std::array<int, 3> dir{};
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int edge = toward[a] < 0 ? 0 : kBlockSide - 1;
+      dir[a] = toward[a] != 0 && at[a] == edge ? toward[a] : 0;
+    }
+    return tree_.neighbor_kind(leaf_, direction(dir[0], dir[1], dir[2])) == NeighborKind::finer;
+  }
+
+  // A face is split if the leaf across it is finer; an edge if any leaf around it is.
+  bool face_is_split(int axis, int end) const {
+    std::array<int, 3> toward{};
+    toward[static_cast<std::size_t>(axis)] = end - 1;
+    return finer_beyond(toward);
+  }
+  // The edge along `axis` at ends (u, v), each 0 or 2, of the following two axes.
+  bool edge_is_split(int axis, int u, int v) const {
+    const auto b = static_cast<std::size_t>((axis + 1) % 3), c = static_cast<std::size_t>((axis + 2) % 3);
+    std::array<int, 3> first{}, second{}, both{};
+    first[b] = both[b] = u - 1;
+    second[c] = both[c] = v - 1;
+    return finer_beyond(first) || finer_beyond(second) || finer_beyond(both);
+  }
+  bool has_hanging_nodes() const {
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int u : {0, 2})
+        for (const int v : {0, 2})
+          if (edge_is_split(axis, u, v)) return true;
+    return false;
+  }
+
+  LatticeNode lattice(int i, int j, int k) const {
+    return {cell_.x + i * size_ / 2, cell_.y + j * size_ / 2, cell_.z + k * size_ / 2};
+  }
+  // A node that some leaf stores, or that is interpolated as every reader does; looked up once.
+  ValuedNode node(int i, int j, int k) {
+    const LatticeNode at = lattice(i, j, k);
+    double& value = known_[static_cast<std::size_t>(i + 3 * (j + 3 * k))];
+    if (std::isnan(value)) value = static_cast<double>(static_cast<T>(node_value(tree_, phi_, at)));
+    return {at, value};
+  }
+  // A node of the fan: the middle of the box between two nodes, with the mean of its corners' values.
+  ValuedNode mean_of_corners(std::array<int, 3> low, std::array<int, 3> high) {
+    double sum = 0;
+    int count = 0;
+    for (int k = low[2]; k <= high[2]; k += 2)
+      for (int j = low[1]; j <= high[1]; j += 2)
+        for (int i = low[0]; i <= high[0]; i += 2, ++count) sum += node(i, j, k).phi;
+    return {lattice((low[0] + high[0]) / 2, (low[1] + high[1]) / 2, (low[2] + high[2]) / 2), sum / count};
+  }
+
+  template <class Visit>
+  void visit_face(int axis, int end, const ValuedNode& apex, Visit& visit) {
+    const auto on_face = [&](int u, int v) {
+      std::array<int, 3> at{};
+      at[static_cast<std::size_t>(axis)] = end;
+      at[static_cast<std::size_t>((axis + 1) % 3)] = u;
+      at[static_cast<std::size_t>((axis + 2) % 3)] = v;
+      return at;
+    };
+    const auto value = [&](int u, int v) {
+      const auto at = on_face(u, v);
+      return node(at[0], at[1], at[2]);
+    };
+    const auto quad = [&](int u, int v, int side) {
+      const ValuedNode p = value(u, v), q = value(u + side, v + side);
+      visit(ValuedTetrahedron{apex, p, value(u + side, v), q});
+      visit(ValuedTetrahedron{apex, p, q, value(u, v + side)});
+    };
+    if (face_is_split(axis, end)) {
+      for (const int v : {0, 1})
+        for (const int u : {0, 1}) quad(u, v, 1);
+      return;
+    }
+    const int b = (axis + 1) % 3, c = (axis + 2) % 3;
+    // edge_is_split wants the ends of the two axes that follow the edge's own.
+    const bool low_v = edge_is_split(b, 0, end), high_v = edge_is_split(b, 2, end);
+    const bool low_u = edge_is_split(c, end, 0), high_u = edge_is_split(c, end, 2);
+    if (!(low_v || high_v || low_u || high_u)) return quad(0, 0, 2);
+    std::vector<ValuedNode> ring{value(0, 0)};
+    if (low_v) ring.push_back(value(1, 0));
+    ring.push_back(value(2, 0));
+    if (high_u) ring.push_back(value(2, 1));
+    ring.push_back(value(2, 2));
+    if (high_v) ring.push_back(value(1, 2));
+    ring.push_back(value(0, 2));
+    if (low_u) ring.push_back(value(0, 1));
+    const ValuedNode center = mean_of_corners(on_face(0, 0), on_face(2, 2));
+    for (std::size_t r = 0; r < ring.size(); ++r) 
+      visit(ValuedTetrahedron{apex, center, ring[r], ring[(r + 1) % ring.size()]});
+  }
+
+  const Octree& tree_;
+  const Field<T>& phi_;
+  const std::size_t leaf_;
+  const LatticeNode cell_;
+  const int size_;
+  std::array<int, 3> local_{};
+  std::array<double, 27> known_;  // not a number: not yet
+};
+
+}  // namespace burnish::detail
