@@ -1,5 +1,5 @@
-// The idea of embedding creases by cutting the edges they cross: marching triangles. Snapping vertices to them keeps facets large (Labelle & Shaw
-// and isosurface stuffing do the same to nodes).
+// The idea of embedding creases by cutting the edges they cross: marching triangles. Snapping vertices to them keeps facets large (isosurface
+// stuffing, Labelle & Shewchuk 2007, does the same to nodes).
 #include "burnish/extract/sharpen.h"
 
 #include <algorithm>

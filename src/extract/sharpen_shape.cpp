@@ -74,8 +74,9 @@ class Improver {
       try_flip(p, q);
       try_collapse(p, q);
       try_collapse(q, p);
-      try_slide(p);
     }
+    // Closest points cost most: vertices slide where nothing else makes the facet good.
+    for (std::size_t i = 0; i < 3 && best_.quality < kPoor; ++i) try_slide(c[i]);
     apply();
   }
 

@@ -22,7 +22,7 @@ namespace burnish {
 class ReferenceSurface {
  public:
   // `surface`: welded and oriented outwards, in lattice coordinates. It may have open and non-manifold edges, copies, intersections.
-  // `creases`: of that soup. About 250 bytes a facet; a second per million facets.
+  // `creases`: of that soup. About a second per million facets.
   ReferenceSurface(TriangleSoup surface, Creases creases);
 
   const TriangleSoup& soup() const { return soup_; }

@@ -15,10 +15,13 @@
 // against the normals of S or M around it; that facets far from each other on M do not meet after moving is likely (vertices move by
 // less than a cell, to a surface without intersections) and not certain: inspect, set `stays` around the places, and call again.
 //
+// **Limits.** Before an edge sharper than about 60 degrees the solid is thinner than a cell for a cell or more, and M itself is torn there: parts of the
+// edge are kept as M has them, and may intersect. Strips of S narrower than a cell, and corners closer than two, may lose a corner or their end.
+//
 // **Accuracy.** Vertices lie on S to rounding where they are not kept; creases are chains of edges between points of S's creases. What is left is
 // the chord of S's curvature, kappa l^2 / 8 for edges of length l.
 //
-// Cost: about 1 us a facet away from creases, mostly closest points. Same bits for any number of threads.
+// Cost: 0.8 us a facet of M for closest points, 0.4 us more for the shape (measured on 800,000 facets without creases); up to twice that with many creases. Same bits for any number of threads.
 #pragma once
 
 #include <array>
