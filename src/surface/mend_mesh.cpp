@@ -2,12 +2,10 @@
 // what a soup can do to it then ends in an exception, and in a refusal.
 #include "mend_mesh.h"
 
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/border.h>
 #include <CGAL/Polygon_mesh_processing/repair_degeneracies.h>
 #include <CGAL/Polygon_mesh_processing/repair_self_intersections.h>
 #include <CGAL/Polygon_mesh_processing/triangulate_hole.h>
-#include <CGAL/Surface_mesh.h>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -23,6 +21,7 @@
 #include "burnish/surface/manifold.h"
 #include "burnish/surface/shells.h"
 #include "burnish/surface/weld.h"
+#include "cgal_mesh.h"
 #include "exact_predicates.h"
 #include "point_table.h"
 
@@ -30,8 +29,6 @@ namespace burnish {
 namespace {
 
 namespace pmp = CGAL::Polygon_mesh_processing;
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using Mesh = CGAL::Surface_mesh<Kernel::Point_3>;
 using FaceIndex = Mesh::Face_index;
 using HalfedgeIndex = Mesh::Halfedge_index;
 
@@ -52,9 +49,6 @@ struct Exported {
   TriangleSoup soup;
   std::vector<FaceIndex> faces;  // behind each facet
 };
-
-Kernel::Point_3 to_cgal(const Vec3& p) { return {p.x, p.y, p.z}; }
-Vec3 from_cgal(const Kernel::Point_3& p) { return {p.x(), p.y(), p.z()}; }
 
 class MeshMender {
  public:

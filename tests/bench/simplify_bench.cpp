@@ -21,6 +21,7 @@
 #include "burnish/surface/compare.h"
 #include "burnish/surface/creases.h"
 #include "burnish/surface/inspect.h"
+#include "burnish/surface/remesh.h"
 #include "burnish/surface/simplify.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
@@ -113,12 +114,22 @@ void print_judgement(const TriangleSoup& input, const TriangleSoup& output, doub
              100 * (signed_volume(output) / signed_volume(input) - 1));
 }
 
+void print_cost(double cpu, double wall) {
+  fmt::print("\"cpu_seconds\": {:.2f}, \"wall_seconds\": {:.2f}, \"peak_mb\": {:.0f}, ", process_cpu_seconds() - cpu, monotonic_seconds() - wall,
+             static_cast<double>(process_peak_bytes()) / 1e6);
+}
+
 TriangleSoup made(const TriangleSoup& input, const Request& request) {
-  const double start = process_cpu_seconds(), wall = monotonic_seconds();
+  const double cpu = process_cpu_seconds(), wall = monotonic_seconds();
+  if (request.edge) {
+    RemeshedSurface r = remesh(input, {.edge = *request.edge});
+    print_cost(cpu, wall);
+    fmt::print("\"held\": {}, \"why_not\": \"{}\", ", r.held_facets, r.why_not);
+    return std::move(r.soup);
+  }
   SimplifiedSurface r = simplify(input, request.simplify);
-  fmt::print("\"cpu_seconds\": {:.2f}, \"wall_seconds\": {:.2f}, \"peak_mb\": {:.0f}, \"rounds\": {}, \"held\": {}, \"reached\": {}, \"why_not\": \"{}\", ",
-             process_cpu_seconds() - start, monotonic_seconds() - wall, static_cast<double>(process_peak_bytes()) / 1e6, r.rounds, r.held_points, r.reached,
-             r.why_not);
+  print_cost(cpu, wall);
+  fmt::print("\"rounds\": {}, \"held\": {}, \"reached\": {}, \"why_not\": \"{}\", ", r.rounds, r.held_points, r.reached, r.why_not);
   return std::move(r.soup);
 }
 
