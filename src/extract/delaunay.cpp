@@ -40,7 +40,8 @@ class Extraction {
     if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, separated_curves(options_.creases, options_.edge), options_, progress_);
     else lengths_.assign(surface_.soup.points.size(), options_.edge);
     Mesh mesh, coarser;
-    for (double share = 1; result_.attempts < kAttempts; share /= 2, coarser = std::move(mesh)) {
+    for (double share = 1; result_.attempts < kAttempts; share /= 2) {
+      coarser = std::move(mesh);
       mesh = attempt(share);
       ++result_.attempts;
       if (mesh.flaw.empty() || mesh.made.at_limit) break;  // smaller facets would need more
