@@ -39,32 +39,68 @@ class Extraction {
     if (surface_.soup.facets.empty()) return {};
     if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, separated_curves(options_.creases, options_.edge), options_, progress_);
     else lengths_.assign(surface_.soup.points.size(), options_.edge);
-    double share = 1;
-    do {
-      attempt(share);
-      share /= 2;
-    } while (!result_.failure.empty() && ++result_.attempts < kAttempts);
-    result_.attempts = std::min(result_.attempts + 1, kAttempts);
-    result_.oracle_calls = field_.calls();
-    if (!result_.failure.empty()) result_.soup = {}, result_.on_crease = {};
-    return std::move(result_);
+    Mesh mesh, coarser;
+    for (double share = 1; result_.attempts < kAttempts; share /= 2) {
+      coarser = std::move(mesh);
+      mesh = attempt(share);
+      ++result_.attempts;
+      if (mesh.flaw.empty() || mesh.made.at_limit) break;  // smaller facets would need more
+      // The same topology twice is that of the interpolant, where marching tetrahedra decide otherwise within a cell.
+      if (!mesh.has_components || !coarser.has_components || mesh.topology != coarser.topology) continue;
+      mesh = std::move(coarser);
+      mesh.flaw.clear();
+      break;
+    }
+    return finished(std::move(mesh));
   }
 
  private:
+  struct Mesh {
+    MesherResult made;
+    Topology topology;
+    bool has_components = false;  // a closed manifold with all components
+    std::string flaw;             // why it is not the result
+  };
+
+  DelaunaySurface finished(Mesh mesh) {
+    result_.oracle_calls = field_.calls();
+    result_.failure = std::move(mesh.flaw);
+    if (!result_.failure.empty()) return std::move(result_);
+    result_.soup = std::move(mesh.made.soup);
+    result_.on_crease = std::move(mesh.made.on_crease);
+    return std::move(result_);
+  }
+
   // All lengths times `share`.
-  void attempt(double share) {
+  Mesh attempt(double share) {
     const MesherRequest request = request_of(share);
     std::vector<double> spacing = lengths_;
     for (double& s : spacing) s *= share * kRadiusPerEdge * kSpacingPerRadius;
-    MesherResult made = mesh_surface(field_, request, [&](const std::vector<std::pair<Vec3, double>>& balls) {
+    Mesh mesh;
+    mesh.made = mesh_surface(field_, request, [&](const std::vector<std::pair<Vec3, double>>& balls) {
       std::vector<SeedFreeBall> free_of;
       for (const auto& [center, radius] : balls) free_of.push_back({center, radius + kSeedsFromBalls * share * options_.edge});
       return spread_seeds(surface_, spacing, free_of, field_);
     });
-    result_.points += made.soup.points.size();
-    result_.failure = made.failure.empty() ? flaw_of(made.soup) : made.failure;
-    result_.soup = std::move(made.soup);
-    result_.on_crease = std::move(made.on_crease);
+    result_.points += mesh.made.soup.points.size();
+    judge(mesh);
+    return mesh;
+  }
+
+  void judge(Mesh& mesh) const {
+    mesh.flaw = mesh.made.failure;
+    if (!mesh.flaw.empty()) return;
+    if (mesh.made.soup.facets.empty() || !is_closed_manifold(mesh.made.soup)) {
+      mesh.flaw = "the Delaunay surface is no closed manifold";
+      return;
+    }
+    mesh.topology = topology_of(mesh.made.soup);
+    const Topology& wanted = surface_.topology;
+    mesh.has_components = mesh.topology.components == wanted.components;
+    if (!mesh.has_components)
+      mesh.flaw = std::to_string(mesh.topology.components) + " components instead of " + std::to_string(wanted.components);
+    else if (mesh.topology.euler != wanted.euler)
+      mesh.flaw = "Euler characteristic " + std::to_string(mesh.topology.euler) + " instead of " + std::to_string(wanted.euler);
   }
 
   MesherRequest request_of(double share) {
@@ -86,16 +122,6 @@ class Extraction {
     request.max_points = options_.max_points ? options_.max_points : static_cast<std::size_t>(kMostPointsPerFacet * facets + kLeastLimit);
     field_.limit(options_.max_oracle_calls ? options_.max_oracle_calls : static_cast<std::size_t>(kMostCallsPerFacet * (facets + kLeastLimit)));
     return request;
-  }
-
-  std::string flaw_of(const TriangleSoup& soup) const {
-    if (soup.facets.empty() || !is_closed_manifold(soup)) return "the Delaunay surface is no closed manifold";
-    const Topology made = topology_of(soup), wanted = surface_.topology;
-    if (made.components != wanted.components)
-      return std::to_string(made.components) + " components instead of " + std::to_string(wanted.components);
-    if (made.euler != wanted.euler)
-      return "Euler characteristic " + std::to_string(made.euler) + " instead of " + std::to_string(wanted.euler);
-    return {};
   }
 
   const LevelSet& set_;

@@ -218,8 +218,10 @@ MesherResult mesh_surface(FieldSampler& field, const MesherRequest& request, con
     return mesh(field, request, seeds_for);
   } catch (const TooManyPoints&) {
     failed.failure = "more than " + std::to_string(request.max_points) + " points";
+    failed.at_limit = true;
   } catch (const TooManyCalls&) {
     failed.failure = "more evaluations of the field than allowed";
+    failed.at_limit = true;
   } catch (const CGAL::Failure_exception& e) {
     failed.failure = std::string("the mesher gave up: ") + e.what();
   }

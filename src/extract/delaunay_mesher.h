@@ -26,6 +26,7 @@ struct MesherResult {
   TriangleSoup soup;
   std::vector<std::uint8_t> on_crease;
   std::string failure;
+  bool at_limit = false;  // that is why it failed
 };
 
 // Seeds are asked for once the balls that protect creases are known.

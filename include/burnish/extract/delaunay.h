@@ -8,7 +8,8 @@
 // **What could go wrong, and what is done.** A mesher that starts from a few points finds one of 21 spheres and calls that clean. Here it starts from the
 // zero crossings of the lattice, thinned to the size of facets, with several points on every component however small. Afterwards the numbers of components
 // and the Euler characteristic are compared with those of marching tetrahedra on the same octree. If they differ, facets are made
-// smaller by half, at most twice. What then still differs is a failure, and the caller has the other extractor.
+// smaller by half, at most twice. If the Euler characteristic alone differs, and smaller facets give the same one again, it is the interpolant's own, and the
+// first mesh is the result. What else still differs is a failure, and the caller has the other extractor.
 //
 // **It ends.** There are limits, in counts, and not in seconds: the same input gives the same result. One thread; the same bits on every run.
 //
@@ -50,7 +51,7 @@ struct DelaunaySurface {
   std::size_t points = 0;               // that the mesher used, over all attempts
   std::size_t oracle_calls = 0;         // over all attempts
   int attempts = 0;
-  std::string failure;                  // empty: the soup is closed, 2-manifold and has the level set's topology. Otherwise there is no soup
+  std::string failure;                  // empty: the soup is closed, 2-manifold and has the level set's components. Otherwise there is no soup
 };
 
 // Meshes phi = 0. Values that are not numbers count as outside, as does everything beyond the domain; a level set without a surface gives an empty
