@@ -97,9 +97,10 @@ void copy_same_level(const Octree& tree, const Field<T>& field, std::size_t leaf
 // The sides of a view's nodes as bits: bit x + 2 of row (y, z). Nodes on the surface, and those that the view knows nothing of, are on neither.
 class SideRows {
  public:
+  SideRows() = default;
   SideRows(const LatticeView& view, std::uint32_t same) {
-    for (int z = -1; z <= kBlockSide; ++z)
-      for (int y = -1; y <= kBlockSide; ++y) {
+    for (int z = -1; z < kRows - 1; ++z)
+      for (int y = -1; y < kRows - 1; ++y) {
         const std::size_t first = LatticeView::at({-LatticeView::kWidth, y, z});
         unsigned in = 0, stays = 0;
         for (std::size_t i = 0; i < LatticeView::kSide; ++i) {
@@ -112,6 +113,12 @@ class SideRows {
       }
   }
 
+  // The side of a node that the view knows.
+  Side side(LocalNode n) const {
+    const std::size_t r = row(n.y, n.z);
+    const int bit = n.x + LatticeView::kWidth;
+    return in_[r] >> bit & 1 ? kIn : out_[r] >> bit & 1 ? kOut : kOn;
+  }
   // Bit x: node (x, y, z) has a neighbour on the other side.
   unsigned beside_surface(int y, int z) const {
     const unsigned in = in_[row(y, z)], out = out_[row(y, z)];
@@ -134,8 +141,9 @@ class SideRows {
   }
 
  private:
-  using Rows = std::array<std::uint16_t, std::size_t{kBlockSide + 2} * (kBlockSide + 2)>;
-  static constexpr std::size_t row(int y, int z) { return static_cast<std::size_t>((y + 1) + (kBlockSide + 2) * (z + 1)); }
+  static constexpr int kRows = kBlockSide + 3;  // -1 to 9, as far as the apex of a tetrahedron beside a cell of the leaf
+  using Rows = std::array<std::uint16_t, std::size_t{kRows} * kRows>;
+  static constexpr std::size_t row(int y, int z) { return static_cast<std::size_t>((y + 1) + kRows * (z + 1)); }
   static unsigned own(unsigned bits) { return bits >> LatticeView::kWidth & 0xffu; }
   static unsigned known_in_row(std::uint32_t same, int y, int z) {
     const auto beyond = [](int i) { return i < 0 ? -1 : i >= kBlockSide ? 1 : 0; };

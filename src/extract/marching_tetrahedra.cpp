@@ -45,7 +45,7 @@ template <class T>
 class Extractor {
  public:
   Extractor(const BasicLevelSet<T>& level_set, const ExtractOptions& options, Progress& progress)
-      : set_(level_set), tree_(level_set.octree()), options_(options), progress_(progress) {}
+      : set_(level_set), tree_(level_set.octree()), options_(options), progress_(progress), sides_(tree_, set_.phi) {}
 
   ExtractedSurface run() {
     find_cut_leaves();
@@ -53,8 +53,7 @@ class Extractor {
       move_nodes();
       add_leaves_of_moved_nodes();
     }
-    number_vertices();
-    place_vertices();
+    make_vertices();
     cut_cells();
     return std::move(result_);
   }
@@ -69,11 +68,6 @@ class Extractor {
     static const Field<std::uint8_t> none;
     return options_.plain ? options_.plain->marked : none;
   }
-
-  // Whether a cell is cut here, in Kuhn tetrahedra; the others are transition cells.
-  bool is_plain_cell(std::size_t leaf, std::size_t n) const { return !(kTouched.by_cell[n] & ~same_[leaf]); }
-  // Transition cells know nothing of moved nodes.
-  bool may_move(std::size_t leaf, std::size_t n) const { return !(kTouched.by_cells_around[n] & ~same_[leaf]); }
 
   // Calls visit(node) for the bits that are set in rows(y, z), in order.
   template <class Rows, class Visit>
@@ -96,25 +90,10 @@ class Extractor {
     });
   }
 
-  // The sides, 1 inside and 2 outside, of the leaf's nodes and of those of its neighbours in some directions.
-  std::uint8_t sides_around(std::size_t leaf, std::uint32_t directions) const {
-    std::uint8_t seen = sides_[leaf];
-    for (int dir = 0; dir < kDirections && seen != 3; ++dir)
-      if (directions >> dir & 1 && dir != kSelf)
-        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
-    return seen;
-  }
-
   // Leaves with cells that the surface may cut, and the leaves that own these cells' upper nodes.
   void find_cut_leaves() {
-    sides_.resize(tree_.size());
-    same_.resize(tree_.size());
-    parallel_for(tree_.size(), [&](std::size_t leaf) {
-      sides_[leaf] = set_.phi.stores(leaf) ? sides_of(set_.phi.block(leaf)) : set_.phi.block(leaf)[0] >= 0 ? 1 : 2;
-      same_[leaf] = same_level_directions(tree_, leaf);
-    }, 256);
     std::vector<char> cut(tree_.size(), 0);
-    parallel_for(tree_.size(), [&](std::size_t leaf) { cut[leaf] = sides_around(leaf, kUpper) == 3; }, 256);
+    parallel_for(tree_.size(), [&](std::size_t leaf) { cut[leaf] = sides_.around(leaf, kUpper) == 3; }, 256);
     std::vector<char> owns = cut;
     for (std::uint32_t leaf = 0; leaf < tree_.size(); ++leaf) {
       if (!cut[leaf]) continue;
@@ -137,10 +116,11 @@ class Extractor {
     Field<Move> wanted = Field<Move>::like(set_.phi, kStays, kStays);
     for_leaves(owners_, [&](std::size_t, std::uint32_t leaf, const LatticeView& view) {
       if (!wanted.stores(leaf)) return;  // far from the surface
-      const SideRows rows(view, same_[leaf]);
+      const SideRows rows(view, sides_.same(leaf));
       for_set_bits([&](int y, int z) { return rows.beside_surface(y, z); },
                    [&](std::size_t n) {
-                     if (may_move(leaf, n)) wanted.block(leaf)[n] = best_move(view, local_node(n));
+                     // Transition cells know nothing of moved nodes.
+                     if (sides_.is_plain_node(leaf, n)) wanted.block(leaf)[n] = best_move(view, local_node(n));
                    });
     });
     moves_ = std::move(wanted);
@@ -184,25 +164,18 @@ class Extractor {
   }
 
   // Which vertices each owner's nodes have: a bit per edge upwards that the surface crosses, bit 7 for a moved node.
-  void number_vertices() {
-    masks_.assign(owners_.size() * kBlockNodes, 0);
-    ranks_.assign(owners_.size() * kBlockNodes, 0);
-    first_.assign(owners_.size() + 1, 0);
-    for_leaves(owners_, [&](std::size_t slot, std::uint32_t leaf, const LatticeView& view) {
-      std::uint8_t* masks = masks_.data() + slot * kBlockNodes;
-      const SideRows rows(view, same_[leaf]);
-      for (std::uint8_t d = 0; d < kEdgeSteps.size(); ++d)
-        for_set_bits([&](int y, int z) { return rows.crossed(y, z, kEdgeSteps[d]); },
-                     [&](std::size_t n) { masks[n] |= static_cast<std::uint8_t>(1u << d); });
-      std::uint16_t rank = 0;
-      for (std::size_t n = 0; n < kBlockNodes; ++n) {
-        if (view.side(local_node(n)) == kOn) masks[n] |= 0x80;
-        ranks_[slot * kBlockNodes + n] = rank;
-        rank = static_cast<std::uint16_t>(rank + count_bits(masks[n]));
-      }
-      first_[slot] = rank;
-    });
-    exclusive_scan_in_place(first_);
+  std::uint16_t number_vertices(std::size_t slot, const LatticeView& view) {
+    std::uint8_t* masks = masks_.data() + slot * kBlockNodes;
+    for (std::uint8_t d = 0; d < kEdgeSteps.size(); ++d)
+      for_set_bits([&](int y, int z) { return rows_[slot].crossed(y, z, kEdgeSteps[d]); },
+                   [&](std::size_t n) { masks[n] |= static_cast<std::uint8_t>(1u << d); });
+    std::uint16_t rank = 0;
+    for (std::size_t n = 0; n < kBlockNodes; ++n) {
+      if (view.side(local_node(n)) == kOn) masks[n] |= 0x80;
+      ranks_[slot * kBlockNodes + n] = rank;
+      rank = static_cast<std::uint16_t>(rank + count_bits(masks[n]));
+    }
+    return rank;
   }
 
   // Lattice coordinates of a vertex. Crossings are placed from the lower node's integers, with the same rounding from
@@ -217,21 +190,36 @@ class Extractor {
     return {base.x + t * (s.x * size), base.y + t * (s.y * size), base.z + t * (s.z * size)};
   }
 
-  void place_vertices() {
+  void place_vertices(std::size_t slot, std::uint32_t leaf, const LatticeView& view, std::vector<Vec3>& points) {
+    for (std::size_t n = 0; n < kBlockNodes; ++n) {
+      const std::uint8_t mask = masks_[slot * kBlockNodes + n];
+      for (std::uint8_t d = 0; mask >> d != 0; ++d)
+        if (mask >> d & 1) points.push_back(vertex_position(leaf, view, local_node(n), d));
+    }
+  }
+
+  void make_vertices() {
+    masks_.assign(owners_.size() * kBlockNodes, 0);
+    ranks_.resize(owners_.size() * kBlockNodes);
+    rows_.resize(owners_.size());
+    first_.assign(owners_.size() + 1, 0);
+    std::vector<std::vector<Vec3>> points(owners_.size());
+    for_leaves(owners_, [&](std::size_t slot, std::uint32_t leaf, const LatticeView& view) {
+      rows_[slot] = SideRows(view, sides_.same(leaf));
+      first_[slot] = number_vertices(slot, view);
+      points[slot].reserve(first_[slot]);
+      place_vertices(slot, leaf, view, points[slot]);
+    });
+    exclusive_scan_in_place(first_);
     result_.soup.points.resize(first_.back());
     result_.origins.resize(first_.back());
-    for_leaves(owners_, [&](std::size_t slot, std::uint32_t leaf, const LatticeView& view) {
-      std::size_t v = first_[slot];
-      for (std::size_t n = 0; n < kBlockNodes; ++n) {
-        const std::uint8_t mask = masks_[slot * kBlockNodes + n];
-        for (std::uint8_t d = 0; mask >> d != 0; ++d) {
-          if (!(mask >> d & 1)) continue;
-          const LocalNode here = local_node(n);
-          result_.soup.points[v] = vertex_position(leaf, view, here, d);
-          result_.origins[v++] = {leaf, static_cast<std::uint16_t>(n), d};
-        }
-      }
-    });
+    parallel_for(owners_.size(), [&](std::size_t slot) {
+      std::copy(points[slot].begin(), points[slot].end(), result_.soup.points.begin() + static_cast<std::ptrdiff_t>(first_[slot]));
+      VertexOrigin* origin = result_.origins.data() + first_[slot];
+      for (std::uint16_t n = 0; n < kBlockNodes; ++n)
+        for (std::uint8_t d = 0, mask = masks_[slot * kBlockNodes + n]; mask >> d != 0; ++d)
+          if (mask >> d & 1) *origin++ = {owners_[slot], n, d};
+    }, kLeafGrain);
   }
 
   // The number of the vertex on edge `d` (7: the moved node itself) from node n, 0..8 along each axis.
@@ -244,10 +232,10 @@ class Extractor {
     return static_cast<std::uint32_t>(first_[slot] + ranks_[at] + count_bits(static_cast<std::uint8_t>(below)));
   }
 
-  void cut_cell(std::size_t leaf, const LatticeView& view, LocalNode cell, std::vector<Facet>& out) const {
+  void cut_cell(std::size_t leaf, const SideRows& rows, LocalNode cell, std::vector<Facet>& out) const {
     for (const KuhnTetrahedron& t : kKuhn) {
       std::array<Side, 4> side{};
-      for (std::size_t i = 0; i < 4; ++i) side[i] = view.side(corner_of(cell, t.corners[i]));
+      for (std::size_t i = 0; i < 4; ++i) side[i] = rows.side(corner_of(cell, t.corners[i]));
       const auto vertex = [&](int i, int j) {
         int a = t.corners[static_cast<std::size_t>(i)], b = t.corners[static_cast<std::size_t>(j)];
         if (side[static_cast<std::size_t>(i)] == kOn) return vertex_number(leaf, corner_of(cell, a), 7);
@@ -256,7 +244,7 @@ class Extractor {
         return vertex_number(leaf, corner_of(cell, a), edge_number(a, b));
       };
       const auto opposite_out = [&](int i) {
-        return view.side(across_face(cell, t, t.corners[static_cast<std::size_t>(i)])) == kOut;
+        return rows.side(across_face(cell, t, t.corners[static_cast<std::size_t>(i)])) == kOut;
       };
       const auto shorter = [&](std::uint32_t p, std::uint32_t q, std::uint32_t r, std::uint32_t s) {
         const auto& x = result_.soup.points;
@@ -289,21 +277,29 @@ class Extractor {
   // Cells of a leaf with hanging nodes, or beside them, that the surface may cut: the leaves that hold its nodes are on both sides.
   void find_transition_cells(std::uint32_t leaf, std::vector<std::uint16_t>& cells) const {
     for (std::size_t n = 0; n < kBlockNodes; ++n)
-      if (!is_plain_cell(leaf, n) && sides_around(leaf, kTouched.by_cell[n]) == 3) cells.push_back(static_cast<std::uint16_t>(n));
+      if (!sides_.is_plain_cell(leaf, n) && sides_.around(leaf, kTouched.by_cell[n] & kUpper) == 3) cells.push_back(static_cast<std::uint16_t>(n));
+  }
+
+  SideRows rows_of(std::uint32_t leaf) const {
+    if (slot_[leaf] != kNoSlot) return rows_[slot_[leaf]];
+    const auto view = std::make_unique<LatticeView>();
+    load(leaf, *view);
+    return {*view, sides_.same(leaf)};
   }
 
   void cut_cells() {
     std::vector<std::vector<Facet>> facets(cut_leaves_.size());
     std::vector<std::vector<std::uint16_t>> transition(cut_leaves_.size());
-    for_leaves(cut_leaves_, [&](std::size_t i, std::uint32_t leaf, const LatticeView& view) {
+    parallel_for(cut_leaves_.size(), [&](std::size_t i) {
+      const std::uint32_t leaf = cut_leaves_[i];
       facets[i].reserve(kUsualFacets);
-      const SideRows rows(view, same_[leaf]);
+      const SideRows rows = rows_of(leaf);
       for_set_bits([&](int y, int z) { return rows.cut_cells(y, z); },
                    [&](std::size_t n) {
-                     if (is_plain_cell(leaf, n)) cut_cell(leaf, view, local_node(n), facets[i]);
+                     if (sides_.is_plain_cell(leaf, n)) cut_cell(leaf, rows, local_node(n), facets[i]);
                    });
-      if (same_[leaf] != kAllSame) find_transition_cells(leaf, transition[i]);
-    });
+      if (sides_.same(leaf) != kAllSame) find_transition_cells(leaf, transition[i]);
+    }, kLeafGrain);
     join_facets(facets);
     cut_transition_cells(transition);
   }
@@ -350,21 +346,20 @@ class Extractor {
     result_.origins = std::move(origins);
   }
 
-  static constexpr std::uint32_t kUpper = touched_by_cell(kBlockSide - 1, kBlockSide - 1, kBlockSide - 1);
   static constexpr std::size_t kUsualFacets = 256;  // of a leaf
 
   const BasicLevelSet<T>& set_;
   const Octree& tree_;
   const ExtractOptions& options_;
   Progress& progress_;
-  std::vector<std::uint8_t> sides_;        // of leaves: bit 0 with inside nodes, bit 1 with outside nodes
-  std::vector<std::uint32_t> same_;        // of leaves: directions of neighbours of their level
+  const LeafSides sides_;
   std::vector<std::uint32_t> cut_leaves_;  // with cells that the surface cuts
   std::vector<std::uint32_t> owners_;      // with nodes that own vertices
   std::vector<std::uint32_t> slot_;        // leaf -> place among the owners
   Field<Move> moves_;
   std::vector<std::uint8_t> masks_;
   std::vector<std::uint16_t> ranks_;
+  std::vector<SideRows> rows_;             // of owners
   std::vector<std::uint64_t> first_;
   ExtractedSurface result_;
 };

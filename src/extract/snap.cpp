@@ -150,7 +150,9 @@ bool must_stay(const LatticeView& view, LocalNode n) {
     if ((volume < kLeastVolume || on == 3) && farthest) return true;
   }
   // The second keeps the surface's topology, step by step. [T-SNAP-3]
-  return !surface_is_a_disc(side) || !surface_is_a_disc(sides_when_moved(view, n, side));
+  if (!surface_is_a_disc(side)) return true;
+  const auto then = sides_when_moved(view, n, side);
+  return then != side && !surface_is_a_disc(then);
 }
 
 }  // namespace burnish::detail

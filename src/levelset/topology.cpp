@@ -108,7 +108,7 @@ struct SameNode {
 
 // The simplices at and beside transition cells one by one: several cells have the same ones.
 struct Explicit {
-  std::vector<std::array<std::uint32_t, 2>> edges;
+  std::vector<std::uint64_t> edges;  // both numbers, the lower one first
   std::vector<std::array<std::uint32_t, 3>> triangles;
   std::int64_t tetrahedra = 0;
 
@@ -116,7 +116,7 @@ struct Explicit {
   void add(const Node& node, int size) {  // node(i): number of the simplex' corner i
     if (size == 4) return void(++tetrahedra);
     const auto [a, b] = std::minmax({node(0), node(1)});
-    if (size == 2) return edges.push_back({a, b});
+    if (size == 2) return edges.push_back(std::uint64_t{a} << 32 | b);
     const std::uint32_t c = node(2);
     triangles.push_back({std::min(a, c), std::clamp(c, a, b), std::max(b, c)});
   }
@@ -132,7 +132,7 @@ struct Explicit {
 template <class T>
 class Topology {
  public:
-  explicit Topology(const BasicLevelSet<T>& set) : tree_(set.octree()), phi_(set.phi) {}
+  explicit Topology(const BasicLevelSet<T>& set) : tree_(set.octree()), phi_(set.phi), sides_(set.octree(), set.phi) {}
 
   LevelSetTopology run(Progress& progress) {
     label_leaves();
@@ -144,41 +144,27 @@ class Topology {
   }
 
  private:
-  std::uint8_t sides_around(std::size_t leaf, std::uint32_t directions) const {
-    std::uint8_t seen = sides_[leaf];
-    for (int dir = 0; dir < kDirections && seen != 3; ++dir)
-      if (directions >> dir & 1 && dir != kSelf)
-        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
-    return seen;
-  }
-
   void label_leaves() {
     const std::size_t leaves = tree_.size();
-    sides_.resize(leaves);
-    same_.resize(leaves);
-    parallel_for(leaves, [&](std::size_t leaf) {
-      sides_[leaf] = phi_.stores(leaf) ? sides_of(phi_.block(leaf)) : phi_.block(leaf)[0] >= 0 ? 1 : 2;
-      same_[leaf] = same_level_directions(tree_, leaf);
-    }, kLeafGrain);
     slot_.assign(leaves, 0);
     std::vector<std::uint32_t> mixed;
     for (std::uint32_t leaf = 0; leaf < leaves; ++leaf)
-      if (sides_[leaf] == 3) slot_[leaf] = static_cast<std::uint32_t>(mixed.size()), mixed.push_back(leaf);
+      if (sides_.of(leaf) == 3) slot_[leaf] = static_cast<std::uint32_t>(mixed.size()), mixed.push_back(leaf);
     labels_.resize(mixed.size());
-    parallel_for(mixed.size(), [&](std::size_t m) { label_nodes(phi_.block(mixed[m]), same_[mixed[m]], labels_[m]); }, kLeafGrain);
+    parallel_for(mixed.size(), [&](std::size_t m) { label_nodes(phi_.block(mixed[m]), sides_.same(mixed[m]), labels_[m]); }, kLeafGrain);
     first_.resize(leaves);
     for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
       first_[leaf] = static_cast<std::uint32_t>(inside_.size());
       // A leaf on one side is connected: the cells that lie in it whole are.
-      if (sides_[leaf] != 3) inside_.push_back(sides_[leaf] == 1);
+      if (sides_.of(leaf) != 3) inside_.push_back(sides_.of(leaf) == 1);
       else inside_.resize(inside_.size() + labels_[slot_[leaf]].count);
-      if (sides_[leaf] != 3) continue;
+      if (sides_.of(leaf) != 3) continue;
       for (std::size_t n = 0; n < kBlockNodes; ++n) inside_[id(leaf, n)] = phi_.block(leaf)[n] >= 0;
     }
   }
 
   std::uint32_t id(std::size_t leaf, std::size_t node) const {
-    return first_[leaf] + (sides_[leaf] == 3 ? labels_[slot_[leaf]].of[node] : 0u);
+    return first_[leaf] + (sides_.of(leaf) == 3 ? labels_[slot_[leaf]].of[node] : 0u);
   }
 
   // A node up to one beyond the leaf, where the leaf has a neighbour of its level.
@@ -192,7 +178,7 @@ class Topology {
     std::array<std::uint16_t, kNine * kNine> rows{};
     for (int upper = 0; upper < 8; ++upper) {
       const int dx = upper & 1, dy = upper >> 1 & 1, dz = upper >> 2 & 1, dir = direction(dx, dy, dz);
-      if (!(same_[leaf] >> dir & 1)) continue;
+      if (!(sides_.same(leaf) >> dir & 1)) continue;
       const T* phi = phi_.block(tree_.neighbor(leaf, dir));
       for (int k = 0; k < (dz ? 1 : kBlockSide); ++k)
         for (int j = 0; j < (dy ? 1 : kBlockSide); ++j)
@@ -216,10 +202,10 @@ class Topology {
         [&](std::size_t begin, std::size_t end) {
           std::int64_t sum = 0;
           for (std::size_t leaf = begin; leaf < end; ++leaf) {
-            if (sides_around(leaf, kUpper) != 3) continue;
+            if (sides_.around(leaf, kUpper) != 3) continue;
             const auto rows = sign_rows(leaf);
             for (std::size_t n = 0; n < kBlockNodes; ++n)
-              if (!(kTouched.by_cells_around[n] & ~same_[leaf])) sum += table[signs_of_cell(rows, place_of(n))];
+              if (sides_.is_plain_node(leaf, n)) sum += table[signs_of_cell(rows, place_of(n))];
           }
           return sum;
         },
@@ -230,66 +216,81 @@ class Topology {
   void list_special_cells() {
     for (std::size_t leaf = 0; leaf < tree_.size(); ++leaf) {
       join_faces(leaf);
-      if (sides_around(leaf, kAllSame) != 3) continue;
-      const auto rows = sign_rows(leaf);
-      for (std::size_t n = 0; n < kBlockNodes; ++n) {
-        const bool within = kTouched.by_cells_around[n] == 1u << kSelf;
-        if (within) continue;
-        if (kTouched.by_cell[n] & ~same_[leaf]) {
-          if (sides_around(leaf, kTouched.by_cell[n]) == 3 && !join_uniform_cell(leaf, n)) list_transition_cell(leaf, n);
-          continue;
-        }
-        join_upwards(leaf, n);
-        const unsigned signs = signs_of_cell(rows, place_of(n));
-        if (kTouched.by_cells_around[n] & ~same_[leaf] && signs != 0 && signs != 255) list_anchored(leaf, n, signs);
+      if (sides_.around(leaf, kUpper) != 3) continue;
+      for (int upper = 1; upper < 8; ++upper) join_upwards(leaf, upper);
+      if (sides_.same(leaf) != kAllSame) list_special_cells(leaf);
+    }
+  }
+
+  void list_special_cells(std::size_t leaf) {
+    const auto rows = sign_rows(leaf);
+    for (std::size_t n = 0; n < kBlockNodes; ++n) {
+      if (sides_.is_plain_node(leaf, n)) continue;
+      if (!sides_.is_plain_cell(leaf, n)) {
+        if (sides_.around(leaf, kTouched.by_cell[n] & kUpper) == 3 && !join_uniform_cell(leaf, n)) list_transition_cell(leaf, n);
+        continue;
       }
+      const unsigned signs = signs_of_cell(rows, place_of(n));
+      if (signs != 0 && signs != 255) list_anchored(leaf, n, signs);
     }
   }
 
   void join(std::uint32_t a, std::uint32_t b) {
-    if (a != b) joined_.push_back({a, b});
+    const std::uint64_t pair = std::uint64_t{a} << 32 | b;
+    if (a != b && (joined_.empty() || joined_.back() != pair)) joined_.push_back(pair);
   }
 
   // Leaves on one side are joined across faces: the cells at a face's middle touch no third leaf.
   void join_faces(std::size_t leaf) {
-    if (sides_[leaf] == 3) return;
+    if (sides_.of(leaf) == 3) return;
     for (const int dir : {direction(1, 0, 0), direction(0, 1, 0), direction(0, 0, 1)})
       for (const std::uint32_t other : tree_.neighbors(leaf, dir))
-        if (sides_[other] == sides_[leaf]) join(first_[leaf], first_[other]);
+        if (sides_.of(other) == sides_.of(leaf)) join(first_[leaf], first_[other]);
   }
 
-  // Edges of a Kuhn cell that leave the leaf.
-  void join_upwards(std::size_t leaf, std::size_t n) {
-    const Place p = place_of(n);
-    for (int corner = 1; corner < 8; ++corner) {
-      const Place to = above(p, corner);
-      if (to.i < kBlockSide && to.j < kBlockSide && to.k < kBlockSide) continue;
-      const auto [other, node] = wrapped(leaf, to);
-      if (sides_[leaf] != 3 && sides_[other] == sides_[leaf] && !(corner & (corner - 1))) continue;  // by join_faces
-      const std::uint32_t a = id(leaf, n), b = id(other, node);
-      if (inside_[a] == inside_[b]) join(a, b);
-    }
+  // Edges of Kuhn cells from this leaf to one of its level above it, by their upper nodes.
+  void join_upwards(std::size_t leaf, int upper) {
+    const int ex = upper & 1, ey = upper >> 1 & 1, ez = upper >> 2 & 1, dir = direction(ex, ey, ez);
+    if (!(sides_.same(leaf) >> dir & 1)) return;
+    const std::size_t other = tree_.neighbor(leaf, dir);
+    const bool face = !(upper & (upper - 1));
+    if (sides_.of(leaf) != 3 && (sides_.of(leaf) | sides_.of(other)) != 3 && face) return;  // by join_faces, or nothing to join
+    const std::uint16_t* labels = sides_.of(leaf) == 3 ? labels_[slot_[leaf]].of.data() : nullptr;
+    const std::uint16_t* others = sides_.of(other) == 3 ? labels_[slot_[other]].of.data() : nullptr;
+    for (int k = 0; k < (ez ? 1 : kBlockSide); ++k)
+      for (int j = 0; j < (ey ? 1 : kBlockSide); ++j)
+        for (int i = 0; i < (ex ? 1 : kBlockSide); ++i) {
+          const std::size_t to = node_index(i, j, k);
+          const std::uint32_t b = first_[other] + (others ? others[to] : 0u);
+          for (int corner = upper; corner < 8; ++corner) {
+            const Place from{i + ex * kBlockSide - (corner & 1), j + ey * kBlockSide - (corner >> 1 & 1), k + ez * kBlockSide - (corner >> 2)};
+            if ((corner & upper) != upper || from.i < 0 || from.j < 0 || from.k < 0) continue;
+            const std::size_t n = node_index(from.i, from.j, from.k);
+            const std::uint32_t a = first_[leaf] + (labels ? labels[n] : 0u);
+            if (inside_[a] == inside_[b] && sides_.is_plain_cell(leaf, n)) join(a, b);
+          }
+        }
   }
 
-  // Joins the nodes of a transition cell if all leaves it touches beyond its own are on the side of its corners here.
+  // Joins the nodes of a transition cell if its corners in leaves of this level, and all leaves of other levels that it touches, are on one
+  // side: then so are the nodes between them.
   bool join_uniform_cell(std::size_t leaf, std::size_t n) {
-    std::uint8_t seen = 0;
+    const std::uint32_t foreign = kTouched.by_cell[n] & kUpper & ~sides_.same(leaf);
+    const bool inside = inside_[id(leaf, n)];
+    if (sides_.around(leaf, foreign, inside ? 1 : 2) == 3) return false;
+    std::array<std::uint32_t, 8> ids;
+    std::size_t count = 0;
+    for (int corner = 0; corner < 8; ++corner) {
+      const Place at = above(place_of(n), corner);
+      if (!(sides_.same(leaf) >> direction(at.i / kBlockSide, at.j / kBlockSide, at.k / kBlockSide) & 1)) continue;
+      const auto [owner, node] = wrapped(leaf, at);
+      ids[count] = id(owner, node);
+      if (inside_[ids[count++]] != inside) return false;
+    }
+    for (std::size_t i = 1; i < count; ++i) join(ids[0], ids[i]);
     for (int dir = 0; dir < kDirections; ++dir)
-      if (kTouched.by_cell[n] >> dir & 1 && dir != kSelf)
-        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= sides_[other];
-    if (seen == 3) return false;
-    const auto for_own_corners = [&](const auto& visit) {
-      for (int corner = 0; corner < 8; ++corner) {
-        const Place at = above(place_of(n), corner);
-        if (at.i < kBlockSide && at.j < kBlockSide && at.k < kBlockSide) visit(node_index(at.i, at.j, at.k));
-      }
-    };
-    for_own_corners([&](std::size_t corner) { seen |= inside_[id(leaf, corner)] ? 1 : 2; });
-    if (seen == 3) return false;
-    for_own_corners([&](std::size_t corner) { join(id(leaf, n), id(leaf, corner)); });
-    for (int dir = 0; dir < kDirections; ++dir)
-      if (kTouched.by_cell[n] >> dir & 1 && dir != kSelf)
-        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) join(id(leaf, n), first_[other]);
+      if (foreign >> dir & 1)
+        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) join(ids[0], first_[other]);
     return true;
   }
 
@@ -352,7 +353,7 @@ class Topology {
   // [T-TOPO-3]
   LevelSetTopology summary(std::int64_t euler) const {
     UnionFind sets(inside_.size());
-    for (const auto& [a, b] : joined_) sets.unite(a, b);
+    for (const std::uint64_t pair : joined_) sets.unite(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
     LevelSetTopology result;
     for (std::uint32_t c = 0; c < inside_.size(); ++c)
       if (sets.is_representative(c)) ++(inside_[c] ? result.inside_components : result.outside_components);
@@ -362,17 +363,14 @@ class Topology {
     return result;
   }
 
-  static constexpr std::uint32_t kUpper = touched_by_cell(kBlockSide - 1, kBlockSide - 1, kBlockSide - 1);
-
   const Octree& tree_;
   const Field<T>& phi_;
-  std::vector<std::uint8_t> sides_;    // of leaves
-  std::vector<std::uint32_t> same_;    // same_level_directions of leaves
+  const LeafSides sides_;
   std::vector<std::uint32_t> slot_;    // leaf -> its labels
   std::vector<Labels> labels_;         // of leaves with nodes on both sides
   std::vector<std::uint32_t> first_;   // leaf -> its first component
   std::vector<std::uint8_t> inside_;   // of components, before they are joined
-  std::vector<std::array<std::uint32_t, 2>> joined_;
+  std::vector<std::uint64_t> joined_;   // pairs of them
   std::unordered_map<LatticeNode, std::uint32_t, NodeHash, SameNode> numbers_;
   std::vector<std::uint32_t> components_;  // of numbered nodes
   Explicit explicit_;

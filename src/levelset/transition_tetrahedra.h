@@ -6,11 +6,13 @@
 #pragma once
 
 #include <array>
+#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
 
+#include "burnish/core/parallel.h"
 #include "burnish/octree/field.h"
 
 namespace burnish::detail {
@@ -63,11 +65,60 @@ inline std::uint32_t same_level_directions(const Octree& tree, std::size_t leaf)
 // Whether the surface has inside (bit 0) and outside (bit 1) nodes among 512.
 template <class T>
 std::uint8_t sides_of(const T* phi) {
-  std::uint8_t seen = 0;
-  for (std::size_t row = 0; row < kBlockNodes && seen != 3; row += kBlockSide)
-    for (std::size_t i = 0; i < kBlockSide; ++i) seen |= phi[row + i] >= 0 ? 1 : 2;
-  return seen;
+  bool inside = false, outside = false;
+  for (std::size_t row = 0; row < kBlockNodes && !(inside && outside); row += kBlockSide)
+    for (std::size_t i = 0; i < kBlockSide; ++i) {
+      inside |= phi[row + i] >= 0;
+      outside |= !(phi[row + i] >= 0);
+    }
+  return static_cast<std::uint8_t>((inside ? 1 : 0) | (outside ? 2 : 0));
 }
+
+// The directions in which corners of a leaf's cells can lie, the leaf itself among them.
+inline constexpr std::uint32_t kUpper = touched_by_cell(kBlockSide - 1, kBlockSide - 1, kBlockSide - 1);
+
+// The sides, 1 inside and 2 outside, on which leaves have nodes, and the directions of neighbours of their level.
+class LeafSides {
+ public:
+  template <class T>
+  LeafSides(const Octree& tree, const Field<T>& phi) : tree_(tree), own_(tree.size()), same_(tree.size()) {
+    parallel_for(tree.size(), [&](std::size_t leaf) {
+      own_[leaf] = phi.stores(leaf) ? sides_of(phi.block(leaf)) : phi.block(leaf)[0] >= 0 ? 1 : 2;
+      same_[leaf] = same_level_directions(tree, leaf);
+    }, kGrain);
+    read_ = own_;
+    // Cells of coarser leaves are interpolated between corners that leaves beyond can hold: those come first.
+    for (int level = tree.depth() - 1; level >= 0; --level)
+      parallel_for(tree.size(), [&](std::size_t leaf) {
+        if (tree.level(leaf) == level && same_[leaf] != kAllSame) read_[leaf] = around(leaf, kUpper);
+      }, kGrain);
+  }
+
+  std::uint8_t of(std::size_t leaf) const { return own_[leaf]; }
+  std::uint32_t same(std::size_t leaf) const { return same_[leaf]; }
+  bool is_plain_cell(std::size_t leaf, std::size_t n) const { return !(kTouched.by_cell[n] & ~same_[leaf]); }
+  // Only plain cells around.
+  bool is_plain_node(std::size_t leaf, std::size_t n) const { return !(kTouched.by_cells_around[n] & ~same_[leaf]); }
+
+  // The leaf's own sides, and of all values that are read from the leaves in some directions.
+  std::uint8_t around(std::size_t leaf, std::uint32_t directions) const { return around(leaf, directions, own_[leaf]); }
+  // The same with `seen` instead of the leaf's own.
+  std::uint8_t around(std::size_t leaf, std::uint32_t directions, std::uint8_t seen) const {
+    for (std::uint32_t rest = directions & ~(1u << kSelf); rest != 0 && seen != 3; rest &= rest - 1) {
+      const int dir = std::countr_zero(rest);
+      const bool coarser = tree_.neighbor_kind(leaf, dir) == NeighborKind::coarser;
+      for (const std::uint32_t other : tree_.neighbors(leaf, dir)) seen |= coarser ? read_[other] : own_[other];
+    }
+    return seen;
+  }
+
+ private:
+  static constexpr std::size_t kGrain = 256;
+  const Octree& tree_;
+  std::vector<std::uint8_t> own_;
+  std::vector<std::uint8_t> read_;  // with what finer leaves read from its cells
+  std::vector<std::uint32_t> same_;
+};
 
 struct ValuedNode {
   LatticeNode at;

@@ -45,7 +45,7 @@ struct ExtractOptions {
 
 struct ExtractedSurface {
   TriangleSoup soup;                  // in lattice coordinates; facets face from inside (phi > 0) to outside
-  std::vector<VertexOrigin> origins;  // one per point; empty if transition cells were cut
+  std::vector<VertexOrigin> origins;  // one per point; direction 7 and the cell's lower node for those of transition cells
   std::size_t transition_cells = 0;   // cells with hanging nodes, or beside them, that the surface cuts
 };
 
