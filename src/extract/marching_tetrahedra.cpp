@@ -6,7 +6,7 @@
 #include <memory>
 #include <utility>
 
-#include "../levelset/transition_tetrahedra.h"
+#include "../levelset/leaf_sides.h"
 #include "burnish/core/parallel.h"
 #include "burnish/surface/weld.h"
 #include "lattice_view.h"

@@ -88,17 +88,18 @@ bool surface_is_a_disc(const std::array<Side, kNeighbors>& side) {
   return curve.is_single_cycle();
 }
 
-// The sides around moved node n when nodes move one by one, the nearest first: those that move later are still where they were.
-std::array<Side, kNeighbors> sides_when_moved(const LatticeView& view, LocalNode n, std::array<Side, kNeighbors> side) {
-  const double here = squared_move(view, n);
-  for (int k = 0; k < kNeighbors; ++k) {
-    Side& other = side[static_cast<std::size_t>(k)];
-    if (other != kOn) continue;
-    const LocalNode at = n + neighbor_step(k);
-    const double there = squared_move(view, at);
-    const bool later = k < kNeighbors / 2 ? here <= there : here < there;  // ties: the lower node first
-    if (later) other = view.sign(at);
-  }
+// Whether moved neighbour k of node n, which was moved by `here`, comes after it in the order of moves: the nearest first, the lower
+// node first where two moved as far.
+bool moves_later(const LatticeView& view, LocalNode n, int k, double here) {
+  const double there = squared_move(view, n + neighbor_step(k));
+  return k < kNeighbors / 2 ? here <= there : here < there;
+}
+
+// The sides around moved node n when nodes move one by one: those that move later are still where they were.
+std::array<Side, kNeighbors> sides_when_moved(const LatticeView& view, LocalNode n, std::array<Side, kNeighbors> side,
+                                              const std::array<bool, kNeighbors>& later) {
+  for (int k = 0; k < kNeighbors; ++k)
+    if (later[static_cast<std::size_t>(k)]) side[static_cast<std::size_t>(k)] = view.sign(n + neighbor_step(k));
   return side;
 }
 
@@ -109,7 +110,7 @@ Move best_move(const LatticeView& view, LocalNode n) {
   if (view.plain[LatticeView::at(n)]) return kStays;
   const Side here = view.sign(n);
   Move best = kStays;
-  double least = 1e300;
+  double least = kSnapLength * kSnapLength;
   for (int k = 0; k < kNeighbors; ++k) {
     const Step s = neighbor_step(k);
     const LocalNode other = n + s;
@@ -130,28 +131,30 @@ bool must_stay(const LatticeView& view, LocalNode n) {
   const double here = squared_move(view, n);
   std::array<Vec3, kNeighbors> position;
   std::array<Side, kNeighbors> side;
+  std::array<bool, kNeighbors> later;
   for (int k = 0; k < kNeighbors; ++k) {
     const LocalNode other = n + neighbor_step(k);
     position[static_cast<std::size_t>(k)] = view.position(other);
     side[static_cast<std::size_t>(k)] = view.side(other);
+    later[static_cast<std::size_t>(k)] = side[static_cast<std::size_t>(k)] == kOn && moves_later(view, n, k, here);
   }
   const Vec3 self = view.position(n);
   for (const StarTetrahedron& t : kStar) {
     std::array<Vec3, 4> v;
     int on = 0;
-    bool farthest = true;
+    bool last = true;
     for (std::size_t i = 0; i < 4; ++i) {
       v[i] = t[i] < 0 ? self : position[static_cast<std::size_t>(t[i])];
       if (t[i] < 0 || side[static_cast<std::size_t>(t[i])] != kOn) continue;
       ++on;
-      farthest = farthest && squared_move(view, n + neighbor_step(t[i])) <= here;
+      last = last && !later[static_cast<std::size_t>(t[i])];
     }
     const double volume = dot(v[1] - v[0], cross(v[2] - v[0], v[3] - v[0]));
-    if ((volume < kLeastVolume || on == 3) && farthest) return true;
+    if ((volume < kLeastVolume || on == 3) && last) return true;
   }
   // The second keeps the surface's topology, step by step. [T-SNAP-3]
   if (!surface_is_a_disc(side)) return true;
-  const auto then = sides_when_moved(view, n, side);
+  const auto then = sides_when_moved(view, n, side, later);
   return then != side && !surface_is_a_disc(then);
 }
 

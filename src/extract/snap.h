@@ -5,8 +5,9 @@
 
 namespace burnish::detail {
 
-// A node moves if a crossing lies within this part of an incident edge.
-inline constexpr double kSnap = 0.25;
+// A node moves if a crossing lies within this part of an incident edge, and not farther than so many cells. The second keeps diagonals, up to
+// 1.7 cells long, from drawing in nodes that are not near the surface: two corners of a tetrahedron on the surface's either side would flatten it.
+inline constexpr double kSnap = 0.32, kSnapLength = 0.34;
 
 // The move that takes node n to its nearest crossing within kSnap, or kStays. Looks at all nodes as unmoved.
 Move best_move(const LatticeView& view, LocalNode n);

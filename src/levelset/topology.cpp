@@ -10,6 +10,7 @@
 #include "../octree/lattice_lookup.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
+#include "leaf_sides.h"
 #include "transition_tetrahedra.h"
 
 namespace burnish {
@@ -263,7 +264,8 @@ class Topology {
           const std::size_t to = node_index(i, j, k);
           const std::uint32_t b = first_[other] + (others ? others[to] : 0u);
           for (int corner = upper; corner < 8; ++corner) {
-            const Place from{i + ex * kBlockSide - (corner & 1), j + ey * kBlockSide - (corner >> 1 & 1), k + ez * kBlockSide - (corner >> 2)};
+            const Place from{i + ex * kBlockSide - (corner & 1), j + ey * kBlockSide - (corner >> 1 & 1),
+                             k + ez * kBlockSide - (corner >> 2)};
             if ((corner & upper) != upper || from.i < 0 || from.j < 0 || from.k < 0) continue;
             const std::size_t n = node_index(from.i, from.j, from.k);
             const std::uint32_t a = first_[leaf] + (labels ? labels[n] : 0u);

@@ -12,6 +12,9 @@
 #include <vector>
 
 #include "burnish/core/vec.h"
+#include "burnish/surface/inspect.h"
+#include "burnish/surface/weld.h"
+#include "transition_cells.h"
 
 namespace burnish::detail {
 namespace {
@@ -259,6 +262,75 @@ TEST(Star, NeighborNumbersAreTheirSteps) {
     EXPECT_EQ(neighbor_number(negative(neighbor_step(k))), (k + 7) % 14);
   }
   EXPECT_EQ(neighbor_number({1, -1, 0}), -1);
+}
+
+struct CellOfLeaf {
+  std::size_t leaf;
+  LatticeNode cell;
+};
+
+// The cells of all levels that overlap a cube.
+std::vector<CellOfLeaf> cells_in(const Octree& tree, int low, int high) {
+  std::vector<CellOfLeaf> cells;
+  for (std::size_t leaf = 0; leaf < tree.size(); ++leaf)
+    for (int n = 0; n < static_cast<int>(kBlockNodes); ++n) {
+      const LatticeNode cell = lattice_node(tree, leaf, n % 8, n / 8 % 8, n / 64);
+      const int size = 1 << tree.level(leaf);
+      if (std::min({cell.x, cell.y, cell.z}) + size > low && std::max({cell.x, cell.y, cell.z}) < high) cells.push_back({leaf, cell});
+    }
+  return cells;
+}
+
+// The nodes of one cell, half a cell apart, that some leaf stores: pointers to their values, corners first.
+std::vector<double*> stored_nodes(const Octree& tree, Field<double>& phi, const LatticeNode& cell) {
+  std::vector<double*> corners, hanging;
+  for (int n = 0; n < 27; ++n) {
+    const LatticeNode at{cell.x + n % 3, cell.y + n / 3 % 3, cell.z + n / 9};
+    const auto block = [](int x) { return static_cast<std::uint32_t>(x) / kBlockSide; };
+    const std::uint32_t leaf = tree.find({block(at.x), block(at.y), block(at.z)});
+    const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);
+    const int level = tree.level(leaf), x = at.x - first.x, y = at.y - first.y, z = at.z - first.z;
+    if ((x | y | z) & ((1 << level) - 1)) continue;
+    const bool is_corner = n % 3 != 1 && n / 3 % 3 != 1 && n / 9 != 1;
+    (is_corner ? corners : hanging).push_back(phi.block(leaf) + node_index(x >> level, y >> level, z >> level));
+  }
+  corners.insert(corners.end(), hanging.begin(), hanging.end());
+  return corners;
+}
+
+// Every set of finer leaves that a cell at a leaf's upper corner can meet, as bits (|dx| + 2 |dy| + 4 |dz|) - 1, with its corners in all
+// 2^8 ways and signs of its hanging nodes drawn: closed, a manifold, oriented, whatever the cells around it are.
+TEST(TransitionCells, EverySplitWithEverySignOfItsCorners) {
+  std::size_t cut = 0;
+  for (unsigned finer = 1; finer < 128; ++finer) {
+    std::vector<std::uint64_t> finest;
+    for (unsigned toward = 1; toward < 8; ++toward) {
+      const auto block = [&](unsigned axis) { return toward >> axis & 1 ? 4u : 2u; };
+      if (finer >> (toward - 1) & 1) finest.push_back(morton::interleave({block(0), block(1), block(2)}));
+    }
+    const Octree tree = Octree::build(3, finest);
+    ASSERT_EQ(tree.level(tree.find({2, 2, 2})), 1);
+    Field<double> phi(tree.size(), -1.0);
+    const auto nodes = stored_nodes(tree, phi, {30, 30, 30});
+    const auto cells = cells_in(tree, 28, 36);
+    std::mt19937_64 random(finer);
+    for (unsigned signs = 0; signs < 256; ++signs) {
+      for (std::size_t n = 0; n < nodes.size(); ++n) {
+        const double size = 0.1 + 0.01 * static_cast<double>(random() % 90);
+        *nodes[n] = (n < 8 ? signs >> n & 1 : random() % 2) ? size : -size;
+      }
+      TriangleSoup cut_cells;
+      for (const auto& [leaf, cell] : cells) cut_transition_cell(tree, phi, {}, leaf, cell, cut_cells);
+      const TriangleSoup soup = weld(std::move(cut_cells));
+      for (double* node : nodes) *node = -1;
+      if (soup.facets.empty()) continue;
+      ++cut;
+      const Defects d = inspect(soup, {.self_intersections = false}).defects;
+      ASSERT_TRUE(d.closed_manifold()) << "finer " << finer << " signs " << signs << " seed " << finer << " open " << d.open_edges;
+      ASSERT_GT(d.volume, 0);
+    }
+  }
+  EXPECT_GT(cut, 127u * 254);
 }
 
 }  // namespace

@@ -8,10 +8,14 @@
 // pieces of different tetrahedra can meet nowhere else. The result is a closed, oriented 2-manifold, embedded in
 // exact coordinates. Rounding to float32 in a file can break that, which is why files are verified.
 //
-// **Slivers.** A node with a crossing within kSnap of an incident edge is moved there and becomes a
+// **Slivers.** A node with a crossing within 0.32 of an incident edge, and 0.34 cells, is moved there and becomes a
 // surface vertex itself (the idea of Labelle & Shewchuk 2007, isosurface stuffing). A move is taken back unless
 // all tetrahedra around the node stay positively oriented and the surface around it stays one disc (the zero set on
-// the node's link is a single simple closed curve), so the guarantee above holds for the moved lattice too.
+// the node's link is a single simple closed curve), so the guarantee above holds for the moved lattice too. Nor does a move change the
+// surface's topology: components and handles are those that the signs of the level set say (levelset/topology.h), with and without moves.
+//
+// Of igea, 400 cells along the diagonal, 0.07 % of the facets have an angle below 10 degrees, of the fandisk 0.6 %: where sharp edges
+// keep nodes from moving.
 //
 // Cost: about 1 us a facet. Same bits for any number of threads.
 #pragma once

@@ -17,7 +17,7 @@
 namespace burnish {
 
 // Angles in degrees, lengths in units of the points, all in double. A facet counts as flat if its smallest altitude is
-// below 1e-12 of its longest edge: its corners are collinear to the rounding of coordinates near the origin. `inspect` decides the same exactly.
+// below 1e-12 of its longest edge: its corners are collinear but for rounding. `inspect` decides the same exactly.
 // The smallest angle of a facet is off by 1e-13 degrees at most, but for rounding of the coordinates themselves.
 struct FacetShapes {
   std::size_t facets = 0;
