@@ -12,6 +12,8 @@ namespace {
 
 constexpr double kBorderTurn = 30 * std::numbers::pi / 180;  // as at the corners of creases
 constexpr double kLeastChain = 4;      // mean edges: shorter creases with a free end are noise
+constexpr double kLeastOfResult = 2;   // mean edges of the result: shorter ones would show as spikes
+constexpr std::size_t kFewCorners = 8; // beside a quarter of the facets: each takes two
 constexpr double kUpright = 0.3;       // weight of the planes upright on creases and borders
 constexpr double kMiddle = 1e-3;       // how much of the quadric pulls towards the middle where planes leave a direction free
 constexpr double kFlat = 1e-7;         // squared distances, of squared edges: what a collapse costs at least
@@ -41,8 +43,21 @@ bool turns(const Vec3& in, const Vec3& out, double angle) { return dot(in, out) 
 
 using Kind = CollapseStart::Kind;
 
-void mark_creases(const TriangleSoup& soup, double angle, CollapsibleMesh& mesh, std::vector<Kind>& kinds) {
-  const Creases creases = find_creases(soup, {.angle = angle, .least_length = kLeastChain * mean_edge_length(soup)});
+// How long a crease with a free end has to be.
+double least_chain(const TriangleSoup& soup, const SimplifyOptions& options) {
+  const double fewer = options.facets ? static_cast<double>(soup.facets.size()) / static_cast<double>(std::max<std::size_t>(*options.facets, 1)) : 1;
+  return mean_edge_length(soup) * std::max(kLeastChain, kLeastOfResult * std::sqrt(fewer));
+}
+
+// Creases with more corners than the asked facets have room for are looked for at larger angles: `angle` is the one that was taken.
+Creases creases_with_room(const TriangleSoup& soup, const SimplifyOptions& options, double& angle) {
+  for (;; angle = CollapseStart::raised(angle)) {
+    Creases creases = find_creases(soup, {.angle = angle, .least_length = least_chain(soup, options)});
+    if (!options.facets || angle >= 180 || creases.corners.size() <= *options.facets / 4 + kFewCorners) return creases;
+  }
+}
+
+void mark_creases(const TriangleSoup& soup, const Creases& creases, CollapsibleMesh& mesh, std::vector<Kind>& kinds) {
   for (const CreaseEdge& e : creases.edges) {
     const Facet& f = soup.facets[e.facets[0]];
     for (std::uint32_t i = 0; i < 3; ++i)
@@ -85,9 +100,9 @@ ErrorQuadric quadric_at(const CollapsibleMesh& mesh, std::uint32_t v) {
 
 }  // namespace
 
-CollapseStart::CollapseStart(const TriangleSoup& welded, const SimplifyOptions& options)
-    : mesh(welded), kinds(welded.points.size(), Kind::smooth), quadrics(welded.points.size()) {
-  mark_creases(welded, options.crease_angle, mesh, kinds);
+CollapseStart::CollapseStart(const TriangleSoup& welded, const SimplifyOptions& options, double least_crease_angle)
+    : crease_angle(least_crease_angle), mesh(welded), kinds(welded.points.size(), Kind::smooth), quadrics(welded.points.size()) {
+  mark_creases(welded, creases_with_room(welded, options, crease_angle), mesh, kinds);
   mark_borders(mesh, kinds);
   parallel_for(mesh.points(), [&](std::size_t v) {
     if (mesh.used(static_cast<std::uint32_t>(v))) quadrics[v] = quadric_at(mesh, static_cast<std::uint32_t>(v));

@@ -19,9 +19,12 @@ namespace burnish {
 
 // What all runs on one surface begin with.
 struct CollapseStart {
-  CollapseStart(const TriangleSoup& welded, const SimplifyOptions& options);
+  CollapseStart(const TriangleSoup& welded, const SimplifyOptions& options, double least_crease_angle);
+  // The next angle to try where creases leave no room; at 180 there are none.
+  static double raised(double crease_angle) { return crease_angle < 80 ? crease_angle + 30 : 180; }
 
   enum class Kind : char { smooth, chain, corner };
+  double crease_angle;                  // that was taken
   CollapsibleMesh mesh;
   std::vector<Kind> kinds;              // of points
   std::vector<ErrorQuadric> quadrics;   // about each point

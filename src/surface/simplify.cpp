@@ -13,7 +13,7 @@
 namespace burnish {
 namespace {
 
-constexpr std::size_t kSamples = 60'000;
+constexpr std::size_t kFewestSamples = 10'000, kMostSamples = 60'000;  // one a facet between, without a deviation to verify
 constexpr std::uint32_t kTighter = 4;       // each round divides the clusters that went wrong by this
 constexpr float kCloser = 0.7F;             // and multiplies the share of the deviation by this where it was left
 
@@ -26,20 +26,34 @@ void require_sense(const SimplifyOptions& options) {
 class Simplifier {
  public:
   Simplifier(const TriangleSoup& given, const SimplifyOptions& options, Progress& progress)
-      : given_(given), options_(options), progress_(progress), start_(given, options), given_index_(given), restraints_(given.points.size()) {
-    samples_.area_samples = options.deviation ? std::max(kSamples, given.facets.size()) : kSamples;
-    samples_.vertex_samples = options.deviation ? given.points.size() : kSamples;
-    if (options.deviation) samples_.far_beyond = *options.deviation;
+      : given_(given), options_(options), progress_(progress), start_(given, options, options.crease_angle), given_index_(given), restraints_(given.points.size()) {
+    samples_.area_samples = std::max(options.deviation ? kMostSamples : kFewestSamples, given.facets.size());
+    samples_.vertex_samples = given.points.size();
+    if (options.deviation) {
+      samples_.far_beyond = *options.deviation;
+      return;
+    }
+    samples_.area_samples = std::min(samples_.area_samples, kMostSamples);
+    samples_.vertex_samples = std::min(samples_.vertex_samples, kMostSamples);
   }
 
   SimplifiedSurface run() {
-    for (int round = 1; round <= kSimplifyRounds; ++round)
-      if (attempt(round)) return std::move(result_);
+    for (int round = 1; round <= kSimplifyRounds; ++round) {
+      if (!attempt(round)) continue;
+      if (result_.reached || start_.crease_angle >= 180) return std::move(result_);
+      start_over_with_fewer_creases();
+      round = 0;
+    }
     return unchanged();
   }
 
  private:
-  // Whether the result is valid.
+  void start_over_with_fewer_creases() {
+    start_ = CollapseStart(given_, options_, CollapseStart::raised(start_.crease_angle));
+    restraints_.assign(restraints_.size(), {});
+  }
+
+  // Whether the result is valid; it need not have as few facets as asked for.
   bool attempt(int round) {
     std::optional<DeviationEnvelope> envelope;
     if (options_.deviation) envelope.emplace(given_, given_index_, *options_.deviation);
@@ -54,6 +68,7 @@ class Simplifier {
       return false;
     }
     result_.rounds = round;
+    result_.crease_angle = start_.crease_angle;
     result_.collapsed = collapser.collapsed();
     result_.held_points = static_cast<std::size_t>(std::count_if(restraints_.begin(), restraints_.end(), [](const Restraint& r) { return r.held(); }));
     result_.reached = !options_.facets || result_.soup.facets.size() <= *options_.facets + 1;
@@ -119,6 +134,7 @@ class Simplifier {
     same.soup = {given_.points, given_.facets, {}};
     same.reached = !options_.facets || given_.facets.size() <= *options_.facets;
     same.why_not = "no valid surface with fewer facets was found";
+    same.crease_angle = options_.crease_angle;
     same.held_points = given_.points.size();
     return same;
   }

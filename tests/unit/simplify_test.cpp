@@ -124,6 +124,18 @@ TEST(Simplify, ACountBelowWhatTopologyAllowsIsNotReached) {
   EXPECT_TRUE(inspect(r.soup).defects.valid_solid());
 }
 
+// Each point a spike or a pit: creases all over, for which a tenth of the facets has no room.
+TEST(Simplify, CreasesWithoutRoomGiveWay) {
+  std::size_t i = 0;
+  const TriangleSoup given = mapped(icosphere(4), [&](const Vec3& p) { return p * (i++ % 3 == 0 ? 1.06 : 1.0); });
+  ASSERT_GT(find_creases(given).corners.size(), 500u);
+  const SimplifiedSurface r = simplify(given, {.facets = 512});
+  EXPECT_TRUE(r.reached) << r.why_not;
+  EXPECT_GT(r.crease_angle, 40);
+  EXPECT_TRUE(inspect(r.soup).defects.valid_solid());
+  EXPECT_NEAR(signed_volume(r.soup), signed_volume(given), 0.05 * signed_volume(given));
+}
+
 TEST(Simplify, MoreFacetsThanThereAreChangeNothing) {
   const SimplifiedSurface r = simplify(icosphere(2), {.facets = 1000});
   EXPECT_EQ(r.collapsed, 0u);

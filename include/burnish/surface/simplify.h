@@ -4,9 +4,11 @@
 //
 //   1. A closed 2-manifold stays one, with the same genus and shells; a sheet keeps its borders. No two facets intersect and none is degenerate:
 //      looked at with exact predicates (`inspect`), not hoped for. Where collapses went wrong, all is done again and those places stay finer.
-//   2. Creases (`find_creases`) and borders stay chains of edges. Chains are thinned along their way; their corners stay bit for bit.
-//   3. With `deviation`: every point of the given surface has the result within it (tracked through all collapses), and so has every sample of the
-//      result the given surface: its points, and `verified_samples` over its area. Between samples nothing is proved.
+//   2. Creases (`find_creases`) and borders stay chains of edges. Chains are thinned along their way; their corners stay bit for bit. Where creases
+//      leave no room for the asked count, only sharper ones are kept: `SimplifiedSurface::crease_angle`. Short ones with a free end are noise: below 4 mean
+//      edges, or 2 of the result's.
+//   3. With `deviation`: every point of the given soup has the result within it (tracked through all collapses), and in the end `verified_samples` of each
+//      surface, its points and places spread over its area, were found to have the other one within it. Between samples nothing is proved.
 //   4. Same bits for any number of threads and on every run, and for the soup multiplied by a power of two.
 //
 // Accuracy: quadrics sum areas times squared distances, so that the rms distance is what is kept small: it falls with order 2 in the edge length
@@ -39,6 +41,7 @@ struct SimplifiedSurface {
   TriangleSoup soup;             // welded; points in the order of the given ones; no groups, no colours
   std::size_t collapsed = 0;     // edges
   bool reached = false;          // the asked count. Without one: true
+  double crease_angle = 0;       // degrees: edges that were sharper stayed. That of the options, unless these left no room for `facets`; 180: none
   std::string why_not;           // one sentence if not reached, or if nothing could be done
   Deviation deviation;           // measured at samples and points
   std::size_t verified_samples = 0;  // of each surface, for `deviation`

@@ -1,0 +1,136 @@
+#include "burnish/surface/remesh.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+#include "burnish/surface/compare.h"
+#include "burnish/surface/creases.h"
+#include "burnish/surface/inspect.h"
+#include "burnish/surface/triangle_index.h"
+#include "burnish/surface/weld.h"
+#include "support/parts.h"
+#include "support/shapes.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+double least_angle(const TriangleSoup& soup, std::size_t f) {
+  double least = 180;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3& at = soup.corner(f, i);
+    least = std::min(least, angle_in_degrees(soup.corner(f, (i + 1) % 3) - at, soup.corner(f, (i + 2) % 3) - at));
+  }
+  return least;
+}
+
+double share_of_angles_below(const TriangleSoup& soup, double degrees) {
+  std::size_t count = 0;
+  for (std::size_t f = 0; f < soup.facets.size(); ++f) count += least_angle(soup, f) < degrees;
+  return static_cast<double>(count) / static_cast<double>(soup.facets.size());
+}
+
+void expect_points_on(const TriangleSoup& soup, const TriangleSoup& surface) {
+  const TriangleIndex index(surface);
+  for (const Vec3& p : soup.points) ASSERT_LT(index.closest(p).squared_distance, 1e-24);
+}
+
+TEST(Remesh, ASphereGetsFacetsOfOneSize) {
+  const TriangleSoup given = icosphere(5);
+  for (const double edge : {0.15, 0.03}) {  // coarser and finer than given
+    const RemeshedSurface r = remesh(given, {.edge = edge});
+    EXPECT_EQ(r.held_facets, 0u);
+    EXPECT_TRUE(inspect(r.soup).defects.valid_solid());
+    EXPECT_NEAR(mean_edge_length(r.soup), edge, 0.1 * edge);
+    EXPECT_LT(share_of_angles_below(r.soup, 30), 0.01);
+    expect_points_on(r.soup, given);
+    // Chords of both surfaces: edges up to 4/3 of the length aimed at, and given ones up to 0.043.
+    const double chord = 4.0 / 3 * edge + 0.043;
+    EXPECT_LT(one_sided_distance(given, TriangleIndex(r.soup)).max, chord * chord / 8);
+  }
+}
+
+TEST(Remesh, ACubeKeepsItsEdgesAndCorners) {
+  const RemeshedSurface r = remesh(cube(), {.edge = 0.1});
+  EXPECT_TRUE(inspect(r.soup).defects.valid_solid());
+  EXPECT_NEAR(signed_volume(r.soup), 1, 1e-12);
+  EXPECT_NEAR(area(r.soup), 6, 1e-12);
+  const Creases creases = find_creases(r.soup);
+  EXPECT_EQ(creases.chains.size(), 12u);
+  EXPECT_EQ(creases.corners.size(), 8u);
+  for (const std::uint32_t p : creases.corners)
+    for (int axis = 0; axis < 3; ++axis) EXPECT_TRUE(r.soup.points[p][axis] == 0 || r.soup.points[p][axis] == 1);
+  EXPECT_LT(share_of_angles_below(r.soup, 30), 0.02);
+}
+
+TEST(Remesh, PartsKeepTheirTopologyAndCorners) {
+  const TriangleSoup given = weld(bracket(16));
+  const RemeshedSurface r = remesh(given, {.edge = 0.08});
+  const Defects before = inspect(given).defects, after = inspect(r.soup).defects;
+  EXPECT_TRUE(after.valid_solid());
+  EXPECT_EQ(static_cast<std::ptrdiff_t>(after.points) - static_cast<std::ptrdiff_t>(after.facets / 2),
+            static_cast<std::ptrdiff_t>(before.points) - static_cast<std::ptrdiff_t>(before.facets / 2));
+  expect_points_on(r.soup, given);
+  const std::set<Vec3> points(r.soup.points.begin(), r.soup.points.end());
+  for (const std::uint32_t p : find_creases(given).corners) EXPECT_TRUE(points.contains(given.points[p]));
+}
+
+TEST(Remesh, SheetsKeepTheirBorder) {
+  const TriangleSoup given = height_field(30, [](int i, int j) { return 0.05 * std::sin(0.4 * i) * std::sin(0.3 * j); });
+  const RemeshedSurface r = remesh(given, {.edge = 0.05});
+  EXPECT_TRUE(inspect(r.soup).defects.valid_sheet());
+  double flat_area = 0;
+  for (std::size_t f = 0; f < r.soup.facets.size(); ++f) flat_area += 0.5 * facet_normal_2a(r.soup, f).z;
+  EXPECT_NEAR(flat_area, 1, 1e-12);
+}
+
+// Edges of six times the thickness on a plate bent by half a turn: chords of one side would cross the other.
+TEST(Remesh, ThinShellsDoNotIntersect) {
+  const auto bend = [](const Vec3& p) {
+    const double angle = 3 * p.x, radius = 0.3 + p.z;
+    return Vec3{radius * std::sin(angle), p.y, -radius * std::cos(angle)};
+  };
+  const TriangleSoup given = mapped(box({1, 0.6, 0.02}, 80, 48, 2), bend);
+  for (const double edge : {0.02, 0.05, 0.12}) {
+    const RemeshedSurface r = remesh(given, {.edge = edge});
+    const Defects d = inspect(r.soup).defects;
+    EXPECT_TRUE(d.closed_manifold()) << edge;
+    EXPECT_EQ(d.self_intersecting_pairs, 0u) << edge;
+    EXPECT_NEAR(std::abs(signed_volume(r.soup)), std::abs(signed_volume(given)), 0.25 * std::abs(signed_volume(given))) << edge;
+  }
+}
+
+TEST(Remesh, SameBitsEveryTime) {
+  const TriangleSoup given = torus(60, 30);
+  const auto on_threads = [&](int threads) {
+    const ThreadLimit limit(threads);
+    return remesh(given, {.edge = 0.07}).soup;
+  };
+  const TriangleSoup one = on_threads(1), four = on_threads(4);
+  EXPECT_EQ(one.points, four.points);
+  EXPECT_EQ(one.facets, four.facets);
+}
+
+TEST(Remesh, WrongOptionsAndSurfacesAreRefused) {
+  for (const double edge : {0.0, -1.0, std::numeric_limits<double>::infinity(), std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(remesh(cube(), {.edge = edge}), Error);
+  EXPECT_THROW(remesh(with_flipped_facet(cube(), 3), {.edge = 0.5}), Error);
+}
+
+TEST(Remesh, CanBeStopped) {
+  class Stopped : public Progress {
+    bool cancelled() const override { return true; }
+  } stopped;
+  EXPECT_THROW(remesh(icosphere(5), {.edge = 0.02}, stopped), Error);
+}
+
+}  // namespace
+}  // namespace burnish
