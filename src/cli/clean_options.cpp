@@ -16,11 +16,11 @@ void smoothing(const GivenValue& given, CleanOptions& options) {
   if (!options.smooth_auto) options.smooth = positive_length(given);
 }
 
-// Degrees above 0 and below 180.
-double angle(const GivenValue& given) {
+// Degrees above 0, and `most` at most.
+double angle(const GivenValue& given, double most) {
   const double degrees = non_negative_number(given);
-  if (degrees > 0 && degrees < 180) return degrees;
-  throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle between 0 and 180 degrees", given.name, given.text));
+  if (degrees > 0 && degrees <= most) return degrees;
+  throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle between 0 and {} degrees", given.name, given.text, most));
 }
 
 void signed_offset(const GivenValue& given, CleanOptions& options) {
@@ -72,8 +72,8 @@ std::vector<Option> rows(CleanOptions& o) {
      [&o](const GivenValue& v) { o.mode = one_of<SmoothMode>(v, {"auto", "feature", "volume", "mcf", "filtered", "reinit"}); }},
     {"--keep-volume", 0, "", "Smoothing", "The volume stays what it was (default).", switch_on(o.keep_volume)},
     {"--free-volume", 0, "", "Smoothing", "The volume may change.", [&o](const GivenValue&) { o.keep_volume = false; }},
-    {"--crease", 0, "ANGLE", "Smoothing", "Edges of more than ANGLE degrees stay sharp ('feature'). Chosen from the noise when not given.",
-     [&o](const GivenValue& v) { o.crease_angle = angle(v); }},
+    {"--crease", 0, "ANGLE", "Smoothing", "Edges of more than ANGLE degrees stay sharp. Chosen from the noise, or 40, when not given.",
+     [&o](const GivenValue& v) { o.crease_angle = angle(v, 180); }},
     {"--region", 0, "FILE", "Smoothing", "Smooth only inside FILE: a .txt with boxes and spheres, or a closed surface.", store_text(o.region)},
     {"--curvature-radius", 0, "R", "Smoothing", "Smooth only what is curved more than a sphere of radius R.",
      [&o](const GivenValue& v) { o.curvature_radius = length_without_cells(v); }},
@@ -86,6 +86,18 @@ std::vector<Option> rows(CleanOptions& o) {
      [&o](const GivenValue& v) { signed_offset(v, o); }},
     {"--hollow", 0, "T", "Walls", "Keep only a wall of thickness T inside the surface.",
      [&o](const GivenValue& v) { o.hollow = length_without_cells(v); }},
+    {"--surface", 0, "X", "Triangles",
+     "What extracts the surface: 'delaunay' for well-shaped triangles, 'tetrahedra' for speed; 'auto' (default) chooses by their number.",
+     [&o](const GivenValue& v) { o.surface = one_of<Extractor>(v, {"auto", "delaunay", "tetrahedra"}); }},
+    {"--edge", 0, "L", "Triangles", "Length of the triangles' edges, such as 0.5 or 2h.", [&o](const GivenValue& v) { o.edge = positive_length(v); }},
+    {"--edge-tolerance", 0, "T", "Triangles", "Larger triangles where the surface is flat: within T of it, such as 0.1h ('delaunay').",
+     [&o](const GivenValue& v) { o.edge_tolerance = positive_length(v); }},
+    {"--min-angle", 0, "A", "Triangles", "Smallest angle of triangles away from creases, up to 30 degrees; 25 when not given ('delaunay').",
+     [&o](const GivenValue& v) { o.min_angle = angle(v, 30); }},
+    {"--facets", 0, "N", "Triangles", "Simplify the result to N triangles; creases stay.",
+     [&o](const GivenValue& v) { o.facets = integer_within(v, 4, 4'000'000'000); }},
+    {"--simplify", 0, "T", "Triangles", "Simplify the result as far as it stays within T of what it was; creases stay.",
+     [&o](const GivenValue& v) { o.simplify = length_without_cells(v); }},
     {"--memory", 0, "SIZE", "Resources",
      "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.",
      [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
@@ -113,11 +125,16 @@ void require_consistent(const CleanOptions& o) {
   if (o.mode == SmoothMode::feature && o.smooths_in_cells()) refuse("--mode feature works on facets, which have no cells to measure lengths in", "give them in model units or in percent");
   if (o.mode == SmoothMode::reinit && (!o.region.empty() || o.curvature_radius))
     refuse("--mode reinit smooths everything: it excludes --region and --curvature-radius", "choose another mode");
+  if (o.surface == Extractor::tetrahedra && o.asks_for_delaunay())
+    refuse(fmt::format("{} is for --surface delaunay", o.min_angle ? "--min-angle" : "--edge-tolerance"), "leave out one of the two, or simplify with --simplify");
+  if (o.keeps_openings() && (o.surface == Extractor::delaunay || o.asks_for_delaunay()))
+    refuse("--surface delaunay makes closed surfaces: there are no openings to keep", "leave out one of the two");
   if (o.method == Method::local && o.smooths_in_cells()) refuse("--method local has no cells to measure lengths in", "give them in model units or in percent");
   if (o.method == Method::local) {
     const bool flows = o.mode != SmoothMode::automatic && o.mode != SmoothMode::feature;
     const std::string_view clash = o.smooths() && flows ? "--mode" : o.curvature_radius ? "--curvature-radius" : o.offset ? "--offset" : o.hollow ? "--hollow"
-                                 : o.thicken ? "--thicken" : o.cell ? "--cell" : o.resolution ? "--resolution" : o.adapt ? "--adapt" : "";
+                                 : o.thicken ? "--thicken" : o.surface != Extractor::automatic ? "--surface" : o.edge ? "--edge" : o.edge_tolerance ? "--edge-tolerance"
+                                 : o.min_angle ? "--min-angle" : o.cell ? "--cell" : o.resolution ? "--resolution" : o.adapt ? "--adapt" : "";
     if (!clash.empty()) refuse(fmt::format("{} is a matter of the level set, and --method local excludes it", clash), "leave out one of the two");
   }
 }
@@ -132,7 +149,6 @@ std::vector<std::string> idle_options(const CleanOptions& o) {
   note(o.redistance != RedistanceMethod::closest, "--redistance");
   note(o.mode != SmoothMode::automatic, "--mode");
   note(!o.keep_volume, "--free-volume");
-  note(o.crease_angle.has_value(), "--crease");
   note(!o.region.empty(), "--region");
   note(o.curvature_radius.has_value(), "--curvature-radius");
   return idle;

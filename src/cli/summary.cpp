@@ -165,12 +165,27 @@ std::string method_line(const RepairReport& report) {
   return fmt::format("{:<{}}{}: {}\n", "method", kLabelWidth, report.method, report.method_reason);
 }
 
+std::string surface_details(const SurfaceSummary& surface) {
+  std::string text;
+  if (surface.extractor != Extractor::automatic) text += fmt::format("{:<{}}{}: {}\n", "surface", kLabelWidth, name(surface.extractor), surface.reason);
+  if (surface.creases > 0)
+    text += fmt::format("{:<{}}{} of {:.6g} in all, between {}\n", "creases", kLabelWidth, surface.creases, surface.crease_length, plural(surface.corners, "corner", "corners"));
+  if (surface.facets_before > 0)
+    text += fmt::format("{:<{}}from {} facets, within {:.3g}\n", "simplified", kLabelWidth, surface.facets_before, surface.simplify_deviation);
+  const TopologySummary& topology = surface.topology;
+  if (topology.genus) text += fmt::format("{:<{}}{}, {}\n", "genus", kLabelWidth, *topology.genus, plural(topology.cavities, "cavity", "cavities"));
+  if (surface.shapes.facets > 0)
+    text += fmt::format("{:<{}}smallest {:.3g}, {:.3g} of 1 %, {:.3g} of half of the facets\n", "angles", kLabelWidth, surface.shapes.smallest_angle,
+                        surface.shapes.angle_of_hundredth, surface.shapes.median_angle);
+  return text;
+}
+
 std::string details_of(const RepairReport& report) {
   std::string grid;
   if (report.grid.blocks > 0)
     grid = fmt::format("{:<{}}{} of 8 x 8 x 8 cells, {} of them finest, {} levels\n", "blocks", kLabelWidth, report.grid.blocks,
                        report.grid.finest_blocks, report.grid.levels);
-  return options_details(report.options) + grid + actions_details(report.actions) + stages_details(report.stages);
+  return options_details(report.options) + grid + surface_details(report.surface) + actions_details(report.actions) + stages_details(report.stages);
 }
 
 }  // namespace

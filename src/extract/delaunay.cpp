@@ -19,7 +19,9 @@ namespace {
 
 using namespace detail;
 
-constexpr int kAttempts = 3;
+// Smaller facets find what larger ones miss, at four times the cost: once, and not of large surfaces.
+constexpr int kAttempts = 2;
+constexpr double kMostFacetsAgain = 100'000;
 // Measured [T-DELAUNAY-5]: largest radius of facets over the mean length of their edges, and facets per area in units of that length.
 constexpr double kRadiusPerEdge = 0.77;
 constexpr double kFacetsPerArea = 2.3;
@@ -39,17 +41,13 @@ class Extraction {
     if (surface_.soup.facets.empty()) return {};
     if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, separated_curves(options_.creases, options_.edge), options_, progress_);
     else lengths_.assign(surface_.soup.points.size(), options_.edge);
-    Mesh mesh, coarser;
+    Mesh mesh;
     for (double share = 1; result_.attempts < kAttempts; share /= 2) {
-      coarser = std::move(mesh);
+      const std::size_t facets_before = mesh.made.soup.facets.size();
+      if (4.0 * static_cast<double>(facets_before) > kMostFacetsAgain) break;
       mesh = attempt(share);
       ++result_.attempts;
       if (mesh.flaw.empty() || mesh.made.at_limit) break;  // smaller facets would need more
-      // The same topology twice is that of the interpolant, where marching tetrahedra decide otherwise within a cell.
-      if (!mesh.has_components || !coarser.has_components || mesh.topology != coarser.topology) continue;
-      mesh = std::move(coarser);
-      mesh.flaw.clear();
-      break;
     }
     return finished(std::move(mesh));
   }
@@ -57,9 +55,7 @@ class Extraction {
  private:
   struct Mesh {
     MesherResult made;
-    Topology topology;
-    bool has_components = false;  // a closed manifold with all components
-    std::string flaw;             // why it is not the result
+    std::string flaw;  // why it is not the result
   };
 
   DelaunaySurface finished(Mesh mesh) {
@@ -94,13 +90,12 @@ class Extraction {
       mesh.flaw = "the Delaunay surface is no closed manifold";
       return;
     }
-    mesh.topology = topology_of(mesh.made.soup);
-    const Topology& wanted = surface_.topology;
-    mesh.has_components = mesh.topology.components == wanted.components;
-    if (!mesh.has_components)
-      mesh.flaw = std::to_string(mesh.topology.components) + " components instead of " + std::to_string(wanted.components);
-    else if (mesh.topology.euler != wanted.euler)
-      mesh.flaw = "Euler characteristic " + std::to_string(mesh.topology.euler) + " instead of " + std::to_string(wanted.euler);
+    // Where marching tetrahedra decide otherwise within a cell than the interpolant, the meshes differ for good.
+    const Topology made = topology_of(mesh.made.soup), wanted = surface_.topology;
+    if (made.components != wanted.components)
+      mesh.flaw = std::to_string(made.components) + " components instead of " + std::to_string(wanted.components);
+    else if (made.euler != wanted.euler)
+      mesh.flaw = "Euler characteristic " + std::to_string(made.euler) + " instead of " + std::to_string(wanted.euler);
   }
 
   MesherRequest request_of(double share) {

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <utility>
 
+#include "burnish/surface/remesh.h"
+#include "burnish/surface/simplify.h"
 #include "burnish/surface/transfer.h"
 #include "burnish/surface/weld.h"
 #include "losses.h"
@@ -16,6 +18,22 @@ namespace {
 
 constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
 constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
+
+void tell_creases(const ReferenceSurface& reference, double cell, SurfaceSummary& told) {
+  const Creases& creases = reference.creases();
+  told.creases = creases.chains.size();
+  told.corners = creases.corners.size();
+  told.crease_length = 0;
+  for (const CreaseEdge& e : creases.edges) told.crease_length += cell * norm(reference.soup().points[e.points[1]] - reference.soup().points[e.points[0]]);
+}
+
+// Those of the first facets that bound the solid, welded.
+TriangleSoup surface_of(const TriangleSoup& all, const std::vector<FacetRole>& roles, std::size_t facets) {
+  TriangleSoup surface{all.points, {}, {}};
+  for (std::size_t f = 0; f < facets; ++f)
+    if (roles[f] == FacetRole::boundary) surface.facets.push_back(all.facets[f]);
+  return weld(std::move(surface));
+}
 
 }  // namespace
 
@@ -41,7 +59,13 @@ bool CleanRun::open() {
 
 void CleanRun::run() {
   plan();
-  if (!repair_locally()) rebuild();
+  if (!repair_locally()) {
+    rebuild();
+  } else if (report_.verified && !report_.failure && options_.simplifies()) {
+    resize_facets();
+    measure_deviation(TriangleIndex(result_), {});
+  }
+  validate_result();
   publish();
 }
 
@@ -186,6 +210,7 @@ void CleanRun::forget_attempt() {
   RepairActions& a = report_.actions;
   a.facets_cut = a.needles_flipped = a.points_split = a.intersecting_pairs_removed = a.facets_kept = a.facets_moved = a.facets_removed = a.facets_added = 0;
   a.largest_split = 0;
+  report_.surface = {};
   report_.changes.clear();
   report_.losses.clear();
   report_.deviation = {};
@@ -232,19 +257,36 @@ void CleanRun::build_and_extract() {
     begin("coarsening");
     coarsen_level_set(built.level_set, report_, progress_);
   }
-  extract(built.level_set);
+  extract(built);
+  if (report_.verified) resize_facets();
   measure(built.roles);
 }
 
-void CleanRun::extract(const LevelSet& level_set) {
+std::shared_ptr<const ReferenceSurface> CleanRun::reference_for(const BuiltLevelSet& built) {
+  if (plan_.flows() || report_.options.thicken || report_.options.moves_walls()) return nullptr;
+  const GridFrame& frame = built.level_set.frame;
+  TriangleSoup surface = to_lattice(surface_of(prepared_.capped.soup, built.roles, built.roles.size()), frame);
+  if (surface.facets.empty()) return nullptr;
+  // What has been denoised is not noisy any more.
+  if (!noise_ && !plan_.denoises()) noise_ = estimate_noise(prepared_.oriented);
+  const double sigma = !plan_.denoises() && noise_->noisy() ? noise_->sigma / frame.cell : 0;
+  auto reference = make_reference(std::move(surface), options_.crease_angle, sigma);
+  tell_creases(*reference, frame.cell, report_.surface);
+  report_.surface.crease_angle = crease_angle();
+  return reference;
+}
+
+void CleanRun::extract(const BuiltLevelSet& built) {
   begin("extracting and verifying");
   CleanedOutput::Finish finish;
   if (report_.options.max_hole && !job_.options.thicken)
     finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
-  const auto sift = [&](TriangleSoup& surface) {
-    report_.actions.debris_dropped = leave_out_debris(surface, prepared_, level_set.frame);
-  };
-  report_.after = output_->write_verified(level_set, sift, finish, progress_).defects;
+  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), report_, progress_);
+  report_.after = output_->write_verified(maker, built.level_set.frame, finish, progress_).defects;
+  if (!finish) {
+    report_.surface.topology.wanted_components = maker.wanted_topology().components;
+    report_.surface.topology.wanted_genus = maker.wanted_topology().genus;
+  }
   if (report_.actions.debris_dropped > 0)
     report_.warnings.push_back(fmt::format("{} small pieces that stand for no component of the input were left out", report_.actions.debris_dropped));
   judge_result();
@@ -263,14 +305,11 @@ std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_i
   return far;
 }
 
-TriangleSoup CleanRun::surface_of(const std::vector<FacetRole>& roles) const {
-  TriangleSoup surface{prepared_.capped.soup.points, {}, {}};
-  std::copy(points_before_.begin(), points_before_.begin() + static_cast<std::ptrdiff_t>(std::min(points_before_.size(), surface.points.size())), surface.points.begin());
+TriangleSoup CleanRun::surface_before_smoothing(const std::vector<FacetRole>& roles) const {
+  TriangleSoup all{prepared_.capped.soup.points, prepared_.capped.soup.facets, {}};
+  std::copy(points_before_.begin(), points_before_.begin() + static_cast<std::ptrdiff_t>(std::min(points_before_.size(), all.points.size())), all.points.begin());
   const bool trimmed = report_.options.max_hole.has_value();
-  const std::size_t facets = trimmed ? prepared_.oriented.facets.size() : roles.size();
-  for (std::size_t f = 0; f < facets; ++f)
-    if (roles[f] == FacetRole::boundary) surface.facets.push_back(prepared_.capped.soup.facets[f]);
-  return weld(std::move(surface));
+  return surface_of(all, roles, trimmed ? prepared_.oriented.facets.size() : roles.size());
 }
 
 void CleanRun::measure(const std::vector<FacetRole>& roles) {
@@ -278,9 +317,10 @@ void CleanRun::measure(const std::vector<FacetRole>& roles) {
   begin("measuring");
   const ResolvedOptions& o = report_.options;
   const TriangleIndex result_index(result_);
-  const double limit = kLossCells * o.cell + 0.5 * o.smooth + 0.5 * o.thicken.value_or(0) + 2 * o.adapt.value_or(0) + report_.smoothing.max_moved + std::abs(o.offset.value_or(0));
+  const double limit = kLossCells * o.cell + 0.5 * o.smooth + 0.5 * o.thicken.value_or(0) + 2 * o.adapt.value_or(0) + report_.smoothing.max_moved + std::abs(o.offset.value_or(0)) +
+                       report_.surface.simplify_deviation + (remeshes() ? 0.5 * *o.edge : 0);
   tell_losses(measure_deviation(result_index, {.far_beyond = limit}), roles, result_index, limit);
-  if (o.deviation && !o.moves_walls() && !report_.failure) hold_deviation(surface_of(roles), o.cell);
+  if (o.deviation && !o.moves_walls() && !report_.failure) hold_deviation(surface_before_smoothing(roles), o.cell);
 }
 
 void CleanRun::tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit) {
@@ -322,6 +362,52 @@ void CleanRun::warn_of_losses(const MissingComponents& missing) {
   if (worst != report_.losses.end())
     report_.warnings.push_back(fmt::format("parts of the input with {:.3g} of area are not in the result; the largest is at ({:.6g}, {:.6g}, {:.6g}): {}",
                                            report_.actions.area_lost, worst->position.x, worst->position.y, worst->position.z, worst->reason));
+}
+
+bool CleanRun::remeshes() const { return report_.options.edge && report_.surface.extractor == Extractor::tetrahedra; }
+
+void CleanRun::resize_facets() {
+  if (!remeshes() && !options_.simplifies()) return;
+  TriangleSoup surface = std::move(result_);
+  if (remeshes()) {
+    begin("remeshing");
+    RemeshedSurface remeshed = remesh(surface, {.edge = *report_.options.edge, .crease_angle = crease_angle()}, progress_);
+    if (!remeshed.why_not.empty()) report_.warnings.push_back("the surface was not remeshed: " + remeshed.why_not);
+    surface = std::move(remeshed.soup);
+  }
+  if (options_.simplifies()) {
+    begin("simplifying");
+    report_.surface.facets_before = surface.facets.size();
+    SimplifiedSurface simplified = simplify(surface, {.facets = report_.options.facets, .deviation = report_.options.simplify, .crease_angle = crease_angle()}, progress_);
+    report_.surface.simplify_deviation = std::max(simplified.deviation.input_to_output.max, simplified.deviation.output_to_input.max);
+    if (!simplified.reached)
+      report_.warnings.push_back(fmt::format("simplified to {} facets, not to {}: {}", simplified.soup.facets.size(), report_.options.facets.value_or(0), simplified.why_not));
+    surface = std::move(simplified.soup);
+  }
+  begin("verifying");
+  sources_.clear();
+  inspect_result(output_->write_and_read_back(surface));
+  result_ = output_->take_result();
+  if (!report_.verified)
+    report_.failure = Error(ErrorCode::guarantee_unmet, "with other facets the surface is no valid solid once it is written",
+                            "leave more of them, or write .ply (double precision); --allow-invalid writes the result as it is");
+}
+
+void CleanRun::validate_result() {
+  if (result_.facets.empty()) return;
+  begin("validating");
+  report_.surface.shapes = facet_shapes(result_);
+  const SurfaceTopology topology = surface_topology(result_);
+  TopologySummary& told = report_.surface.topology;
+  told.components = topology.components.size();
+  told.cavities = topology.cavities;
+  told.genus = topology.genus;
+  if (report_.failure || told.agrees()) return;
+  report_.verified = false;
+  report_.failure = Error(ErrorCode::guarantee_unmet,
+                          fmt::format("the result has {} components and genus {}; the level set has {} and {}", told.components, told.genus.value_or(-1),
+                                      *told.wanted_components, *told.wanted_genus),
+                          "try --surface tetrahedra, or another --cell; --allow-invalid writes the result as it is");
 }
 
 void CleanRun::publish() {

@@ -61,15 +61,23 @@ class CleanRun : private SolidRun {
   // --- the level set gear
   void rebuild();
   void build_and_extract();
-  void extract(const LevelSet& level_set);
+  void extract(const BuiltLevelSet& built);
+  // The facets that the level set was built from, if it still stands for them.
+  std::shared_ptr<const ReferenceSurface> reference_for(const BuiltLevelSet& built);
+  double crease_angle() const { return options_.crease_angle.value_or(kCreaseAngle); }
   // Both ways; returns the samples of the input that are farther than options.far_beyond from the result.
   std::vector<FarSample> measure_deviation(const TriangleIndex& result_index, const CompareOptions& options);
   // What the level set resolved of the surface before it was denoised or smoothed: facets that bound the solid.
-  TriangleSoup surface_of(const std::vector<FacetRole>& roles) const;
+  TriangleSoup surface_before_smoothing(const std::vector<FacetRole>& roles) const;
   void measure(const std::vector<FacetRole>& roles);
   // Nothing is lost silently.
   void tell_losses(const std::vector<FarSample>& far, const std::vector<FacetRole>& roles, const TriangleIndex& result_index, double limit);
   void warn_of_losses(const MissingComponents& missing);
+  bool remeshes() const;
+  // Remeshes and simplifies the verified result, writes and verifies it again.
+  void resize_facets();
+  // The shape of the result's facets, and its topology beside the level set's.
+  void validate_result();
   void publish();
   // The result with the input's names and colours: the same facets, in another order.
   void decorate();

@@ -8,14 +8,13 @@
 #include <vector>
 
 #include "burnish/core/parallel.h"
-#include "burnish/extract/marching_tetrahedra.h"
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/weld.h"
 
 namespace burnish {
 namespace {
 
-constexpr int kMendingRounds = 6;
+constexpr int kMendingRounds = 12;
 constexpr double kFloatStepShare = 0.05;  // of a cell: float32 steps beyond this deform the surface visibly
 
 std::string temporary_folder() {
@@ -43,16 +42,6 @@ std::vector<std::uint32_t> broken_facets(const TriangleSoup& welded, const Inspe
   return broken;
 }
 
-// Marks the surroundings of the facets for a plain extraction. False if the extraction cannot tell where they are.
-bool mark_for_mending(const Octree& tree, const ExtractedSurface& surface, const std::vector<std::uint32_t>& facets, PlainNodes& plain) {
-  if (surface.origins.empty() || facets.empty()) return false;
-  std::vector<VertexOrigin> origins;
-  for (const std::uint32_t f : facets)
-    for (const std::uint32_t v : surface.soup.facets[f]) origins.push_back(surface.origins[v]);
-  mark_plain(tree, origins, plain);
-  return true;
-}
-
 }  // namespace
 
 CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : destination_(destination) {
@@ -73,19 +62,16 @@ const TriangleSoup& CleanedOutput::write_and_read_back(const TriangleSoup& soup)
   return result_;
 }
 
-Inspection CleanedOutput::write_verified(const LevelSet& level_set, const Sift& sift, const Finish& finish, Progress& progress) {
+Inspection CleanedOutput::write_verified(SurfaceMaker& maker, const GridFrame& frame, const Finish& finish, Progress& progress) {
   // [T-MT-5]
-  PlainNodes plain;
   for (int round = 0;; ++round) {
-    ExtractedSurface surface = extract_surface(level_set, {.snap = true, .plain = round ? &plain : nullptr}, progress);
-    sift(surface.soup);
-    if (surface.soup.facets.empty()) return {};
-    TriangleSoup model = surface.soup;
-    parallel_for(model.points.size(), [&](std::size_t i) { model.points[i] = level_set.frame.to_model(model.points[i]); });
+    TriangleSoup model = maker.make();
+    if (model.facets.empty()) return {};
+    parallel_for(model.points.size(), [&](std::size_t i) { model.points[i] = frame.to_model(model.points[i]); });
     const Box3 box = bounding_box(model);
     const Vec3 largest = max(box.upper, box.lower * -1.0);
     const double step = std::max({largest.x, largest.y, largest.z}) * 0x1p-23;
-    float_steps_too_coarse_ = stores_float32(options_.format) && step > kFloatStepShare * level_set.frame.cell;
+    float_steps_too_coarse_ = stores_float32(options_.format) && step > kFloatStepShare * frame.cell;
     const std::size_t facets = model.facets.size();
     if (finish) model = finish(std::move(model));
     const bool unfinished = model.facets.size() == facets;
@@ -94,7 +80,7 @@ Inspection CleanedOutput::write_verified(const LevelSet& level_set, const Sift& 
     model = {};
     Inspection inspection = inspect(result_, {}, progress);
     if (inspection.defects.valid_solid() || round == kMendingRounds || !unfinished) return inspection;
-    if (!mark_for_mending(level_set.octree(), surface, broken_facets(result_, inspection), plain)) return inspection;
+    if (!maker.mend(broken_facets(result_, inspection))) return inspection;
   }
 }
 

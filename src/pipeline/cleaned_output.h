@@ -10,9 +10,10 @@
 #include "burnish/core/progress.h"
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
-#include "burnish/levelset/level_set.h"
+#include "burnish/octree/grid_frame.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/inspect.h"
+#include "surface_maker.h"
 
 namespace burnish {
 
@@ -27,13 +28,10 @@ class CleanedOutput {
   // What is done to a surface in model coordinates before it is written.
   using Finish = std::function<TriangleSoup(TriangleSoup)>;
 
-  // What is done to the extracted surface, in lattice coordinates: facets may go.
-  using Sift = std::function<void(TriangleSoup&)>;
-
-  // Extracts the surface, sifts it, finishes it, writes it to the temporary, reads it back, welds and inspects it. What rounding
-  // to the file's precision broke is extracted anew with plainer facets and written again, a few times (not if `finish`
+  // Makes the surface, finishes it, writes it to the temporary, reads it back, welds and inspects it. What sharpening or rounding
+  // to the file's precision broke is mended by the maker and written again, a few times (not if `finish`
   // changes facets). Returns the last inspection of the file as it stands.
-  Inspection write_verified(const LevelSet& level_set, const Sift& sift, const Finish& finish, Progress& progress);
+  Inspection write_verified(SurfaceMaker& maker, const GridFrame& frame, const Finish& finish, Progress& progress);
 
   // Writes the surface to the temporary and reads it back, welded.
   const TriangleSoup& write_and_read_back(const TriangleSoup& soup);

@@ -148,6 +148,7 @@ std::string reason_against_local(const CleanOptions& options, bool flows) {
   if (flows) return "smoothing of the level set was asked for";
   if (options.moves_walls()) return "a parallel surface was asked for";
   if (options.thicken) return "a thickness was asked for";
+  if (options.method == Method::automatic && options.asks_for_extraction()) return "a surface extracted anew was asked for";
   if (options.method == Method::automatic && (options.cell || options.resolution || options.adapt)) return "a cell was asked for";
   return {};
 }

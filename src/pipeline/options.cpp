@@ -20,6 +20,15 @@ std::string_view name(Nesting nesting) {
   return "auto";
 }
 
+std::string_view name(Extractor surface) {
+  switch (surface) {
+    case Extractor::delaunay: return "delaunay";
+    case Extractor::tetrahedra: return "tetrahedra";
+    case Extractor::automatic: break;
+  }
+  return "auto";
+}
+
 std::string_view name(SmoothMode mode) {
   switch (mode) {
     case SmoothMode::feature: return "feature";

@@ -59,6 +59,12 @@ Json json_of(const ResolvedOptions& o) {
       {"offset", json_of(o.offset)},
       {"hollow", json_of(o.hollow)},
       {"deviation", json_of(o.deviation)},
+      {"surface", name(o.surface)},
+      {"edge", json_of(o.edge)},
+      {"edge_tolerance", json_of(o.edge_tolerance)},
+      {"min_angle", json_of(o.min_angle)},
+      {"facets", json_of(o.facets)},
+      {"simplify", json_of(o.simplify)},
       {"gap", json_of(o.gap)},
       {"max_hole", json_of(o.max_hole)},
       {"thicken", json_of(o.thicken)},
@@ -154,6 +160,52 @@ Json json_of(const SmoothingSummary& s) {
       {"redistance", s.steps > 0 ? Json(name(s.redistance)) : Json()},
       {"volume_before", s.volume_before},
       {"volume_after", s.volume_after},
+  };
+}
+
+Json json_of(const FacetShapes& s) {
+  return {
+      {"min_angle", s.smallest_angle},
+      {"angle_of_thousandth", s.angle_of_thousandth},
+      {"angle_of_hundredth", s.angle_of_hundredth},
+      {"median_angle", s.median_angle},
+      {"below_10", s.share_below_10},
+      {"below_25", s.share_below_25},
+      {"max_angle", s.largest_angle},
+      {"max_ratio", s.largest_ratio},
+      {"shortest_edge", s.shortest_edge},
+      {"longest_edge", s.longest_edge},
+  };
+}
+
+Json json_of(const TopologySummary& t) {
+  return {
+      {"components", t.components},
+      {"cavities", t.cavities},
+      {"genus", json_of(t.genus)},
+      {"level_set_components", json_of(t.wanted_components)},
+      {"level_set_genus", json_of(t.wanted_genus)},
+      {"agrees", t.wanted_components ? Json(t.agrees()) : Json()},
+  };
+}
+
+Json json_of(const SurfaceSummary& s) {
+  return {
+      {"extractor", s.extractor == Extractor::automatic ? Json() : Json(name(s.extractor))},
+      {"reason", s.reason},
+      {"predicted_facets", s.predicted_facets},
+      {"sharpened", s.sharpened},
+      {"crease_angle", s.crease_angle},
+      {"creases", s.creases},
+      {"corners", s.corners},
+      {"crease_length", s.crease_length},
+      {"points_moved", s.points_moved},
+      {"edges_cut", s.edges_cut},
+      {"points_kept", s.points_kept},
+      {"facets_before", s.facets_before},
+      {"simplify_deviation", s.simplify_deviation},
+      {"shapes", json_of(s.shapes)},
+      {"topology", json_of(s.topology)},
   };
 }
 
@@ -253,6 +305,7 @@ std::string to_json(const RepairReport& r) {
       {"recentred_by", json_of(r.recentred_by)},
       {"grid", json_of(r.grid)},
       {"smoothing", json_of(r.smoothing)},
+      {"surface", json_of(r.surface)},
       {"after", r.after.facets > 0 ? json_of(r.after) : Json()},
       {"deviation", json_of(r.deviation)},
       {"stages", json_of(r.stages)},

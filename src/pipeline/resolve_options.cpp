@@ -161,6 +161,10 @@ ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   resolved.offset = length(asked.offset);
   if (resolved.offset && asked.offset_inwards) resolved.offset = -*resolved.offset;
   resolved.hollow = length(asked.hollow);
+  resolved.surface = asked.surface;
+  resolved.min_angle = asked.min_angle;
+  resolved.facets = asked.facets;
+  resolved.simplify = length(asked.simplify);
   return resolved;
 }
 
@@ -197,7 +201,10 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
   resolved.cells_along_longest_side = box.longest_side() / resolved.cell;
   resolved.smooth = asked.smooth.in_model_units(diagonal, resolved.cell);
   resolve_adaptivity(asked, diagonal, resolved);
-  if (asked.deviation) resolved.deviation = asked.deviation->in_model_units(diagonal, resolved.cell);
+  const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, resolved.cell)) : std::nullopt; };
+  if (asked.deviation) resolved.deviation = length(asked.deviation);
+  resolved.edge = length(asked.edge);
+  resolved.edge_tolerance = length(asked.edge_tolerance);
 }
 
 }  // namespace burnish

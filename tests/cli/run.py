@@ -19,6 +19,7 @@ import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import runner
 import scenarios
 import smoothing_scenarios  # noqa: F401  (adds to the groups of scenarios)
+import surface_scenarios  # noqa: F401
 
 
 def scenario_test(function):

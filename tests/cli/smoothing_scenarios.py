@@ -512,7 +512,7 @@ def out_of_time_nothing_is_written(box):
 @scenario("smoothing")
 def options_without_effect_are_told(box):
     box.write("half.txt", b"box 0 0 0 1 1 0.5\n")
-    idle = {"--deviation": ["0.1"], "--redistance": ["fmm"], "--mode": ["feature"], "--free-volume": [], "--crease": ["30"], "--region": ["half.txt"], "--curvature-radius": ["1"]}
+    idle = {"--deviation": ["0.1"], "--redistance": ["fmm"], "--mode": ["feature"], "--free-volume": [], "--region": ["half.txt"], "--curvature-radius": ["1"]}
     for option, value in idle.items():
         run = box.succeed(["cube.stl", "-o", "x.stl", "--overwrite", option, *value])
         expect_match(rf"burnish: warning: {option}: has no effect without --smooth", run.messages(), "warning")

@@ -8,8 +8,8 @@
 // **What could go wrong, and what is done.** A mesher that starts from a few points finds one of 21 spheres and calls that clean. Here it starts from the
 // zero crossings of the lattice, thinned to the size of facets, with several points on every component however small. Afterwards the numbers of components
 // and the Euler characteristic are compared with those of marching tetrahedra on the same octree. If they differ, facets are made
-// smaller by half, at most twice. If the Euler characteristic alone differs, and smaller facets give the same one again, it is the interpolant's own, and the
-// first mesh is the result. What else still differs is a failure, and the caller has the other extractor.
+// smaller by half, once, and only of surfaces below 25,000 facets. What then still differs is a failure, and the caller has the other extractor: within a cell the
+// interpolant may have a handle where the tetrahedra have none.
 //
 // **It ends.** There are limits, in counts, and not in seconds: the same input gives the same result. One thread; the same bits on every run.
 //

@@ -36,8 +36,16 @@ enum class SmoothMode {
   reinit,     // the thesis' excessive reinitialisation
 };
 
+// What extracts the surface of a level set.
+enum class Extractor {
+  automatic,   // Delaunay up to a predicted number of facets, the octree's beyond [T-SURFACE-1]
+  delaunay,    // CGAL's surface mesher: well-shaped facets of a chosen size (extract/delaunay.h)
+  tetrahedra,  // marching tetrahedra on the octree: fast, facets of about half a cell (extract/marching_tetrahedra.h)
+};
+
 std::string_view name(Method method);    // "auto", "local", "levelset"
 std::string_view name(Nesting nesting);  // "auto", "solid", "cavity"
+std::string_view name(Extractor surface);  // "auto", "delaunay", "tetrahedra"
 std::string_view name(SmoothMode mode);  // "auto", "feature", "volume", "mcf", "filtered", "reinit"
 
 // A volume in the model's units, or a share of the largest component's.
@@ -45,6 +53,9 @@ struct VolumeLimit {
   double value = 0;
   bool percent_of_largest = false;
 };
+
+// Sharper edges of the surface are creases, in degrees, unless another angle is asked for.
+inline constexpr double kCreaseAngle = 40;
 
 // As asked. Lengths may be relative; they become model units once (pipeline/resolve_options.h).
 struct CleanOptions {
@@ -66,7 +77,7 @@ struct CleanOptions {
   SmoothMode mode = SmoothMode::automatic;
   // The enclosed volume stays what it was.
   bool keep_volume = true;
-  // Edges at which denoised facets meet at more than this angle stay sharp, in degrees. Unset: chosen from the noise.
+  // Edges at which facets meet at more than this angle stay sharp, in degrees. Unset: chosen from the noise for denoising, kCreaseAngle for extraction.
   std::optional<double> crease_angle;
   // Only what is curved more than a sphere of this radius is smoothed.
   std::optional<Length> curvature_radius;
@@ -89,6 +100,18 @@ struct CleanOptions {
   bool offset_inwards = false;
   // Only a wall of this thickness stays of the solid, inside its surface; asks for the level set.
   std::optional<Length> hollow;
+  // What extracts the surface; naming one, or any of the three sizes below, asks for the level set.
+  Extractor surface = Extractor::automatic;
+  // Length of the facets' edges. Unset: about a cell for Delaunay, half a cell for tetrahedra.
+  std::optional<Length> edge;
+  // Facets are larger where the surface is flat: as large as stays within this of it. Asks for Delaunay.
+  std::optional<Length> edge_tolerance;
+  // Of facets, in degrees, away from creases. Asks for Delaunay.
+  std::optional<double> min_angle;
+  // The result, of whichever gear, is simplified to this many facets,
+  std::optional<std::size_t> facets;
+  // or as far as it stays within this of what it was.
+  std::optional<Length> simplify;
   // Only the component with the largest volume stays.
   bool keep_largest = false;
   // Components with less volume than this are dropped.
@@ -103,6 +126,10 @@ struct CleanOptions {
   bool smooths() const { return smooth_auto || smooth.value > 0; }
   // Whether a surface parallel to the model's is asked for.
   bool moves_walls() const { return offset || hollow; }
+  // Whether something is asked of the surface that an extraction has to do.
+  bool asks_for_extraction() const { return surface != Extractor::automatic || edge || asks_for_delaunay(); }
+  bool asks_for_delaunay() const { return edge_tolerance || min_angle; }
+  bool simplifies() const { return facets || simplify; }
   // Whether smoothing is measured in cells, which facets have none of.
   bool smooths_in_cells() const { return smooth.unit == LengthUnit::cells || (deviation && deviation->unit == LengthUnit::cells); }
 };
@@ -122,6 +149,12 @@ struct ResolvedOptions {
   std::optional<double> deviation;
   std::optional<double> offset;    // negative: inwards
   std::optional<double> hollow;
+  Extractor surface = Extractor::automatic;
+  std::optional<double> edge;
+  std::optional<double> edge_tolerance;
+  std::optional<double> min_angle;
+  std::optional<std::size_t> facets;
+  std::optional<double> simplify;
   RedistanceMethod redistance = RedistanceMethod::closest;
   std::optional<double> gap;
   std::optional<double> max_hole;  // openings wider than this stay; unset: none does

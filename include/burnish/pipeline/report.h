@@ -13,6 +13,7 @@
 #include "burnish/surface/hole.h"
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/noise.h"
+#include "burnish/surface/validate.h"
 
 namespace burnish {
 
@@ -101,6 +102,40 @@ struct SmoothingSummary {
   double volume_after = 0;
 };
 
+// What the result is, beside what the level set says it has to be.
+struct TopologySummary {
+  std::size_t components = 0;
+  std::size_t cavities = 0;
+  std::optional<std::int64_t> genus;  // handles of all components together; unset: the surface is open
+  // Of the level set, without debris; unset: there was none, or openings were cut into its surface.
+  std::optional<std::size_t> wanted_components;
+  std::optional<std::int64_t> wanted_genus;
+
+  bool agrees() const { return !wanted_components || (components == *wanted_components && genus == wanted_genus); }
+};
+
+// How the surface was extracted, and what was made of it. Lengths in model units.
+struct SurfaceSummary {
+  Extractor extractor = Extractor::automatic;  // automatic: no surface was extracted
+  std::string reason;               // why that one
+  std::size_t predicted_facets = 0; // of Delaunay
+  // Its vertices went to the facets that bound the solid, and the creases of these were cut into it.
+  bool sharpened = false;
+  double crease_angle = 0;          // degrees
+  std::size_t creases = 0;          // chains
+  std::size_t corners = 0;
+  double crease_length = 0;
+  std::size_t points_moved = 0;
+  std::size_t edges_cut = 0;
+  std::size_t points_kept = 0;      // that were left alone, for the result to be valid
+  // Simplification, of whichever gear's surface.
+  std::size_t facets_before = 0;    // 0: it was not simplified
+  double simplify_deviation = 0;    // the largest distance between the surfaces before and after, either way
+  // Of the result.
+  FacetShapes shapes;
+  TopologySummary topology;
+};
+
 // A group of the input: a solid of an STL, a group of an OBJ or PLY.
 struct GroupSummary {
   std::string name;        // as in the file, bytes untouched
@@ -129,6 +164,7 @@ struct RepairReport {
   Vec3 recentred_by;                      // what was subtracted from all coordinates
   GridSummary grid;
   SmoothingSummary smoothing;
+  SurfaceSummary surface;
   Defects after;              // of the written file, read back
   Deviation deviation;        // of the written file, read back
   bool verified = false;      // the written file is a valid solid, or a valid sheet where openings were to stay
