@@ -27,6 +27,12 @@ void tell_creases(const ReferenceSurface& reference, double cell, SurfaceSummary
   for (const CreaseEdge& e : creases.edges) told.crease_length += cell * norm(reference.soup().points[e.points[1]] - reference.soup().points[e.points[0]]);
 }
 
+// Whether a facet reaches into the region that was smoothed.
+bool may_have_moved(const TriangleSoup& soup, const Facet& f, const Region& region, double ramp) {
+  const Vec3 &a = soup.points[f[0]], &b = soup.points[f[1]], &c = soup.points[f[2]], middle = (a + b + c) / 3.0;
+  return region.uniform_mobility(middle, std::max({norm(a - middle), norm(b - middle), norm(c - middle)}), ramp) != 0.0;
+}
+
 // Those of the first facets that bound the solid, welded.
 TriangleSoup surface_of(const TriangleSoup& all, const std::vector<FacetRole>& roles, std::size_t facets) {
   TriangleSoup surface{all.points, {}, {}};
@@ -263,9 +269,11 @@ void CleanRun::build_and_extract() {
 }
 
 std::shared_ptr<const ReferenceSurface> CleanRun::reference_for(const BuiltLevelSet& built) {
-  if (plan_.flows() || report_.options.thicken || report_.options.moves_walls()) return nullptr;
+  if ((plan_.flows() && !plan_.region) || report_.options.thicken || report_.options.moves_walls()) return nullptr;
   const GridFrame& frame = built.level_set.frame;
-  TriangleSoup surface = to_lattice(surface_of(prepared_.capped.soup, built.roles, built.roles.size()), frame);
+  TriangleSoup surface = surface_of(prepared_.capped.soup, built.roles, built.roles.size());
+  if (plan_.flows()) std::erase_if(surface.facets, [&](const Facet& f) { return may_have_moved(surface, f, *plan_.region, ramp_of(report_.options)); });
+  surface = to_lattice(surface, frame);
   if (surface.facets.empty()) return nullptr;
   // What has been denoised is not noisy any more.
   if (!noise_ && !plan_.denoises()) noise_ = estimate_noise(prepared_.oriented);

@@ -16,6 +16,8 @@ namespace {
 
 constexpr std::size_t kMostDelaunayFacets = 50'000;
 constexpr double kResolvedAngle = 5, kResolvedReach = 1;  // degrees, cells
+constexpr double kDistancePerEdge = 0.1;                  // of Delaunay facets, where no tolerance is given
+constexpr double kLeastDistance = 0.02;                   // cells
 constexpr int kSettlingRounds = 6;
 constexpr double kFar = 0.2;                              // cells: vertices that sharpening moves farther may have met others
 constexpr double kShortestNoisyCrease = 8;                // mean edges
@@ -58,8 +60,8 @@ void SurfaceMaker::choose_extractor() {
     told.reason = std::move(why);
   };
   if (options.surface != Extractor::automatic) return choose(options.surface, "asked for");
-  if (options.edge_tolerance || options.min_angle) return choose(Extractor::delaunay, "its sizes were asked for");
   if (options.max_hole) return choose(Extractor::tetrahedra, "openings are to stay");
+  if (options.edge || options.edge_tolerance || options.min_angle) return choose(Extractor::delaunay, "its sizes were asked for");
   told.predicted_facets = predicted_facets(set_, delaunay_options());
   if (told.predicted_facets <= kMostDelaunayFacets)
     return choose(Extractor::delaunay, fmt::format("about {} facets are expected, of {} at most", told.predicted_facets, kMostDelaunayFacets));
@@ -71,6 +73,7 @@ DelaunayOptions SurfaceMaker::delaunay_options() const {
   const double cell = set_.frame.cell;
   DelaunayOptions options;
   if (asked.edge) options.edge = *asked.edge / cell;
+  options.distance = asked.edge_tolerance ? std::max(kLeastDistance, *asked.edge_tolerance / cell) : kDistancePerEdge * std::max(1.0, options.edge);
   if (asked.edge_tolerance) options.edge_tolerance = *asked.edge_tolerance / cell;
   if (asked.min_angle) options.min_angle = *asked.min_angle;
   return options;

@@ -348,7 +348,7 @@ def points_outside_a_region_stay_bit_for_bit(box):
 def level_sets_stay_where_they_are_outside_a_region(box):
     box.write("n.stl", models.binary_stl(noisy_ball(0.02)))
     box.write("half.txt", b"box -2 -2 0  2 2 2\n")
-    options = ["--mode", "volume", "--resolution", "48", "-q"]
+    options = ["--mode", "volume", "--surface", "tetrahedra", "--resolution", "48", "-q"]
     box.succeed(["n.stl", "-o", "none.stl", *options, "--method", "levelset"])
     report = valid_report(box, ["n.stl", "-o", "half.stl", *options[:-1], "--smooth", "0.6", "--region", "half.txt"])
     expect_verified(report, "volume")
