@@ -171,20 +171,17 @@ MesherResult facets_of(const Complex& complex, const Domain& domain) {
   return result;
 }
 
-// Adds points until all facets meet the criteria and, if `manifold`, until the surface is one: looking for where it is not costs a third of all time.
-void refine(const MesherRequest& request, const Domain& domain, const Criteria& criteria, bool manifold, Complex& complex) {
+// Adds points until all facets meet the criteria. Not until the surface is a manifold as well: looking for where it is not costs a third of all time, and
+// on rough fields there was no end to it.
+void refine(const MesherRequest& request, const Domain& domain, const Criteria& criteria, Complex& complex) {
   namespace p = CGAL::parameters;
   CGAL::Mesh_error_code code = CGAL::CGAL_MESH_3_NO_ERROR;
 #if CGAL_VERSION_NR >= 1060000000
   const auto limits = p::maximal_number_of_vertices(request.max_points).pointer_to_error_code(&code);
-  if (manifold)
-    CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb().no_exude().manifold().surface_only().mesh_3_options(limits));
-  else
-    CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb().no_exude().surface_only().mesh_3_options(limits));
+  CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb().no_exude().surface_only().mesh_3_options(limits));
 #else
   const auto limits = p::mesh_3_options(p::maximal_number_of_vertices = request.max_points, p::pointer_to_error_code = &code);
-  CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb(), p::no_exude(), p::no_reset_c3t3(), limits,
-                      manifold ? p::manifold() : p::non_manifold());
+  CGAL::refine_mesh_3(complex, domain, criteria, p::no_perturb(), p::no_exude(), p::no_reset_c3t3(), limits, p::non_manifold());
 #endif
   if (code != CGAL::CGAL_MESH_3_NO_ERROR) throw TooManyPoints{};
 }
@@ -203,10 +200,7 @@ MesherResult mesh(FieldSampler& field, const MesherRequest& request, const Seeds
   Complex complex;
   protect_creases(request, criteria, domain, complex);
   insert_seeds(seeds_for(balls_of(complex)), domain, complex);
-  refine(request, domain, criteria, false, complex);
-  MesherResult result = facets_of(complex, domain);
-  if (is_closed_manifold(result.soup)) return result;
-  refine(request, domain, criteria, true, complex);
+  refine(request, domain, criteria, complex);
   return facets_of(complex, domain);
 }
 

@@ -27,16 +27,20 @@ struct SharpenMesh {
   bool has_fixed_corner(const Facet& f) const { return stays(f[0]) || stays(f[1]) || stays(f[2]); }
 };
 
-// The facets around each vertex, ascending.
+inline bool is_gone(const Facet& f) { return f[0] == f[1]; }
+
+// The facets around each vertex, ascending; those that are gone are around none.
 class FacetsAround {
  public:
   FacetsAround(const std::vector<Facet>& facets, std::size_t vertices) : first_(vertices + 1, 0), at_(3 * facets.size()) {
     for (const Facet& f : facets)
-      for (const std::uint32_t v : f) ++first_[v];
+      if (!is_gone(f))
+        for (const std::uint32_t v : f) ++first_[v];
     exclusive_scan_in_place(first_);
     std::vector<std::uint32_t> next(first_.begin(), first_.end() - 1);
     for (std::uint32_t f = 0; f < facets.size(); ++f)
-      for (const std::uint32_t v : facets[f]) at_[next[v]++] = f;
+      if (!is_gone(facets[f]))
+        for (const std::uint32_t v : facets[f]) at_[next[v]++] = f;
   }
   std::span<const std::uint32_t> operator[](std::uint32_t v) const { return {at_.data() + first_[v], first_[v + 1] - first_[v]}; }
 

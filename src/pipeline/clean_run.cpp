@@ -17,6 +17,7 @@ namespace burnish {
 namespace {
 
 constexpr double kLocalTolerance = 1e-3;    // of the diagonal: what the local gear may be off the input
+constexpr double kMostHeld = 0.02;          // of the facets may be left as they are without a word
 constexpr double kLossCells = 1.5;          // parts of the input farther than this from the result are lost
 
 void tell_creases(const ReferenceSurface& reference, double cell, SurfaceSummary& told) {
@@ -70,7 +71,11 @@ void CleanRun::run() {
   } else if (report_.verified && !report_.failure && options_.simplifies()) {
     resize_facets();
     measure_deviation(TriangleIndex(result_), {});
+    if (!report_.failure && !before_denoising_.facets.empty()) hold_deviation(before_denoising_, kLocalTolerance * report_.options.deviation.value_or(0));
+    tell_replaced();
   }
+  if (report_.method == name(Method::local) && job_.options.crease_angle && !plan_.smooths() && !options_.simplifies())
+    report_.warnings.push_back("--crease has no effect: the facets stay as they are");
   validate_result();
   publish();
 }
@@ -174,6 +179,7 @@ bool CleanRun::try_denoised(std::string& why_not) {
   why_not = objection_to_mending(*solution, result_, local_tolerance() + report_.smoothing.max_moved, report_);
   if (!why_not.empty()) return false;
   measure_deviation(TriangleIndex(result_), {});
+  if (options_.simplifies()) before_denoising_ = solution->surface.before;
   hold_deviation(solution->surface.before, kLocalTolerance * report_.options.deviation.value_or(0));
   warn_of_losses({});
   sources_ = std::move(solution->solution.source);
@@ -268,7 +274,7 @@ void CleanRun::build_and_extract() {
   measure(built.roles);
 }
 
-std::shared_ptr<const ReferenceSurface> CleanRun::reference_for(const BuiltLevelSet& built) {
+std::shared_ptr<const SharpReference> CleanRun::reference_for(const BuiltLevelSet& built) {
   if ((plan_.flows() && !plan_.region) || report_.options.thicken || report_.options.moves_walls()) return nullptr;
   const GridFrame& frame = built.level_set.frame;
   TriangleSoup surface = surface_of(prepared_.capped.soup, built.roles, built.roles.size());
@@ -279,7 +285,7 @@ std::shared_ptr<const ReferenceSurface> CleanRun::reference_for(const BuiltLevel
   if (!noise_ && !plan_.denoises()) noise_ = estimate_noise(prepared_.oriented);
   const double sigma = !plan_.denoises() && noise_->noisy() ? noise_->sigma / frame.cell : 0;
   auto reference = make_reference(std::move(surface), options_.crease_angle, sigma);
-  tell_creases(*reference, frame.cell, report_.surface);
+  tell_creases(reference->surface, frame.cell, report_.surface);
   report_.surface.crease_angle = crease_angle();
   return reference;
 }
@@ -303,6 +309,7 @@ void CleanRun::extract(const BuiltLevelSet& built) {
     report_.failure = output_->reason_for_failure(report_.after, report_.options);
   }
   result_ = output_->take_result();
+  if (!report_.failure) compare_topology();
 }
 
 std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_index, const CompareOptions& options) {
@@ -326,7 +333,7 @@ void CleanRun::measure(const std::vector<FacetRole>& roles) {
   const ResolvedOptions& o = report_.options;
   const TriangleIndex result_index(result_);
   const double limit = kLossCells * o.cell + 0.5 * o.smooth + 0.5 * o.thicken.value_or(0) + 2 * o.adapt.value_or(0) + report_.smoothing.max_moved + std::abs(o.offset.value_or(0)) +
-                       report_.surface.simplify_deviation + (remeshes() ? 0.5 * *o.edge : 0);
+                       report_.surface.simplify_deviation + 0.5 * o.edge.value_or(0) + o.edge_tolerance.value_or(0);
   tell_losses(measure_deviation(result_index, {.far_beyond = limit}), roles, result_index, limit);
   if (o.deviation && !o.moves_walls() && !report_.failure) hold_deviation(surface_before_smoothing(roles), o.cell);
 }
@@ -381,6 +388,8 @@ void CleanRun::resize_facets() {
     begin("remeshing");
     RemeshedSurface remeshed = remesh(surface, {.edge = *report_.options.edge, .crease_angle = crease_angle()}, progress_);
     if (!remeshed.why_not.empty()) report_.warnings.push_back("the surface was not remeshed: " + remeshed.why_not);
+    if (static_cast<double>(remeshed.held_facets) > kMostHeld * static_cast<double>(surface.facets.size()))
+      report_.warnings.push_back(fmt::format("{} of {} facets were not remeshed: they would have met others", remeshed.held_facets, surface.facets.size()));
     surface = std::move(remeshed.soup);
   }
   if (options_.simplifies()) {
@@ -388,8 +397,11 @@ void CleanRun::resize_facets() {
     report_.surface.facets_before = surface.facets.size();
     SimplifiedSurface simplified = simplify(surface, {.facets = report_.options.facets, .deviation = report_.options.simplify, .crease_angle = crease_angle()}, progress_);
     report_.surface.simplify_deviation = std::max(simplified.deviation.input_to_output.max, simplified.deviation.output_to_input.max);
-    if (!simplified.reached)
-      report_.warnings.push_back(fmt::format("simplified to {} facets, not to {}: {}", simplified.soup.facets.size(), report_.options.facets.value_or(0), simplified.why_not));
+    if (!simplified.why_not.empty())
+      report_.warnings.push_back(fmt::format("simplified to {} facets: {}", simplified.soup.facets.size(), simplified.why_not));
+    if (simplified.crease_angle > crease_angle())
+      report_.warnings.push_back(fmt::format("for so few facets, creases below {:.0f} degrees were given up", simplified.crease_angle));
+    report_.surface.crease_angle = simplified.crease_angle;
     surface = std::move(simplified.soup);
   }
   begin("verifying");
@@ -401,16 +413,28 @@ void CleanRun::resize_facets() {
                             "leave more of them, or write .ply (double precision); --allow-invalid writes the result as it is");
 }
 
+void CleanRun::tell_replaced() {
+  RepairActions& a = report_.actions;
+  a.facets_kept = a.facets_moved = 0;
+  a.facets_removed = input_.facets.size();
+  a.facets_added = result_.facets.size();
+  report_.changes.clear();
+}
+
 void CleanRun::validate_result() {
   if (result_.facets.empty()) return;
   begin("validating");
   report_.surface.shapes = facet_shapes(result_);
+  if (!report_.failure) compare_topology();
+}
+
+void CleanRun::compare_topology() {
   const SurfaceTopology topology = surface_topology(result_);
   TopologySummary& told = report_.surface.topology;
   told.components = topology.components.size();
   told.cavities = topology.cavities;
   told.genus = topology.genus;
-  if (report_.failure || told.agrees()) return;
+  if (told.agrees()) return;
   report_.verified = false;
   report_.failure = Error(ErrorCode::guarantee_unmet,
                           fmt::format("the result has {} components and genus {}; the level set has {} and {}", told.components, told.genus.value_or(-1),

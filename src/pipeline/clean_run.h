@@ -63,7 +63,7 @@ class CleanRun : private SolidRun {
   void build_and_extract();
   void extract(const BuiltLevelSet& built);
   // The facets that the level set was built from, if it still stands for them.
-  std::shared_ptr<const ReferenceSurface> reference_for(const BuiltLevelSet& built);
+  std::shared_ptr<const SharpReference> reference_for(const BuiltLevelSet& built);
   double crease_angle() const { return options_.crease_angle.value_or(kCreaseAngle); }
   // Both ways; returns the samples of the input that are farther than options.far_beyond from the result.
   std::vector<FarSample> measure_deviation(const TriangleIndex& result_index, const CompareOptions& options);
@@ -76,8 +76,11 @@ class CleanRun : private SolidRun {
   bool remeshes() const;
   // Remeshes and simplifies the verified result, writes and verifies it again.
   void resize_facets();
+  // What local repair kept is replaced now.
+  void tell_replaced();
   // The shape of the result's facets, and its topology beside the level set's.
   void validate_result();
+  void compare_topology();
   void publish();
   // The result with the input's names and colours: the same facets, in another order.
   void decorate();
@@ -90,6 +93,7 @@ class CleanRun : private SolidRun {
   std::optional<NoiseEstimate> noise_;  // of the prepared facets, once it was asked for
   std::shared_ptr<const BuiltLevelSet> shared_;  // before smoothing
   std::vector<Vec3> points_before_;     // of the prepared input, before denoising; where a bound on the deviation was given
+  TriangleSoup before_denoising_;       // the repaired surface, where facets were denoised and are to be simplified
   TriangleSoup result_;                 // read back, welded
   std::vector<std::uint32_t> sources_;  // facets of the input behind those of the result, after a local repair
 };

@@ -10,6 +10,7 @@
 #include "burnish/core/union_find.h"
 #include "burnish/extract/trim.h"
 #include "burnish/levelset/adapt.h"
+#include "burnish/levelset/curvature.h"
 #include "burnish/levelset/offset.h"
 #include "burnish/levelset/redistance.h"
 #include "burnish/levelset/smooth/smoothing.h"
@@ -39,7 +40,8 @@ double cells_for_walls(const ResolvedOptions& options) {
 // Smoothing and extraction look no farther than the band, so the far field is left out.
 LevelSetOptions level_set_options(const ResolvedOptions& options) {
   const double walls = options.moves_walls() ? kLeastBand + 1 + cells_for_walls(options) : 0;
-  LevelSetOptions set{.band = std::max(kUnsmoothedBand, walls), .room = 0, .far_field = false};
+  const double curvatures = options.edge_tolerance ? curvature_band(CurvatureOrder::second) : 0;
+  LevelSetOptions set{.band = std::max({kUnsmoothedBand, walls, curvatures}), .room = 0, .far_field = false};
   const double smooth_cells = options.smooth / options.cell;
   if (smooth_cells <= 0) {
     // A shell's level set is coarsened afterwards, as is what has been smoothed.
@@ -52,7 +54,7 @@ LevelSetOptions level_set_options(const ResolvedOptions& options) {
   set.room = room_for_smoothing(flow_mode(options.mode), smooth_cells);
   // A bound on the deviation is held against exact distances.
   const double bound = options.deviation ? *options.deviation / options.cell : 0;
-  set.band = std::max({kFlowBand, std::min(bound, set.room) + 1, walls});
+  set.band = std::max({kFlowBand, std::min(bound, set.room) + 1, walls, curvatures});
   return set;
 }
 

@@ -29,6 +29,8 @@ constexpr double kCoarsestSmoothed = 1.0 / 150;
 constexpr double kMostCells = 1e6;             // of surface: about three million facets
 constexpr double kCellMax = 8;                 // finest cells, of the coarsest at the surface
 constexpr int kMostLevels = 10;
+constexpr double kFacetsPerArea = 2.4;         // in units of the edge: somewhat more than equilateral ones
+constexpr double kBytesPerSizedFacet = 1000;   // Delaunay, remeshing
 constexpr double kBytesPerFacet = 250;         // input, index, inspection
 constexpr double kBytesPerCell = 1000;         // of surface: extraction, result, verification
 constexpr double kBytesPerCellAndBand = 100;   // of surface, and cell of band
@@ -114,6 +116,16 @@ double asked_cell(const CleanOptions& asked, const Box3& box) {
   const double cell = asked.cell->in_model_units(box.diagonal(), 0);
   if (!(cell > 0)) throw Error(ErrorCode::usage, "--cell must be a length greater than zero", "for example --cell 0.5 or --cell 0.2%");
   return cell;
+}
+
+void refuse_too_many_facets(const ResolvedOptions& resolved, double surface_area) {
+  if (!resolved.edge) return;
+  const double facets = kFacetsPerArea * surface_area / (*resolved.edge * *resolved.edge), most = static_cast<double>(resolved.memory_bytes) / kBytesPerSizedFacet;
+  if (facets <= most) return;
+  throw Error(ErrorCode::memory_limit,
+              fmt::format("edges of {:.4g} make about {:.3g} facets, which need {:.3g} GB; the budget is {:.1f} GB", *resolved.edge, facets, facets * kBytesPerSizedFacet * 0x1p-30,
+                          static_cast<double>(resolved.memory_bytes) * 0x1p-30),
+              fmt::format("choose a larger --edge (from about {:.4g}), or raise --memory", std::sqrt(kFacetsPerArea * surface_area / most)));
 }
 
 void resolve_adaptivity(const CleanOptions& asked, double diagonal, ResolvedOptions& resolved) {
@@ -204,6 +216,7 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
   const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, resolved.cell)) : std::nullopt; };
   if (asked.deviation) resolved.deviation = length(asked.deviation);
   resolved.edge = length(asked.edge);
+  refuse_too_many_facets(resolved, area(prepared));
   resolved.edge_tolerance = length(asked.edge_tolerance);
 }
 

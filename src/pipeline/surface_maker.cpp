@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "burnish/surface/creases.h"
-#include "burnish/levelset/topology.h"
 #include "burnish/surface/inspect.h"
-#include "burnish/surface/validate.h"
 #include "level_set_gear.h"
 
 namespace burnish {
@@ -18,6 +17,7 @@ constexpr std::size_t kMostDelaunayFacets = 50'000;
 constexpr double kResolvedAngle = 5, kResolvedReach = 1;  // degrees, cells
 constexpr double kDistancePerEdge = 0.1;                  // of Delaunay facets, where no tolerance is given
 constexpr double kLeastDistance = 0.02;                   // cells
+constexpr double kReachPerEdge = 1.5;
 constexpr int kSettlingRounds = 6;
 constexpr double kFar = 0.2;                              // cells: vertices that sharpening moves farther may have met others
 constexpr double kShortestNoisyCrease = 8;                // mean edges
@@ -33,19 +33,19 @@ std::vector<std::vector<Vec3>> polylines(const TriangleSoup& surface, const Crea
 
 }  // namespace
 
-std::shared_ptr<const ReferenceSurface> make_reference(TriangleSoup surface, std::optional<double> crease_angle, double sigma) {
+std::shared_ptr<const SharpReference> make_reference(TriangleSoup surface, std::optional<double> crease_angle, double sigma) {
   CreaseOptions options{.angle = crease_angle.value_or(kCreaseAngle), .sigma = sigma};
-  if (sigma > 0) {
-    options.least_length = kShortestNoisyCrease * mean_edge_length(surface);
-  } else if (!crease_angle) {
+  if (sigma > 0) options.least_length = kShortestNoisyCrease * mean_edge_length(surface);
+  std::vector<std::vector<Vec3>> sharp = polylines(surface, find_creases(surface, options));
+  if (sigma == 0 && !crease_angle) {
     options.resolved_angle = kResolvedAngle;
     options.resolved = kResolvedReach;
   }
   Creases creases = find_creases(surface, options);
-  return std::make_shared<const ReferenceSurface>(std::move(surface), std::move(creases));
+  return std::make_shared<const SharpReference>(SharpReference{ReferenceSurface(std::move(surface), std::move(creases)), std::move(sharp)});
 }
 
-SurfaceMaker::SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const ReferenceSurface> reference, RepairReport& report,
+SurfaceMaker::SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const SharpReference> reference, RepairReport& report,
                            Progress& progress)
     : set_(level_set), prepared_(prepared), reference_(std::move(reference)), report_(report), progress_(progress) {
   choose_extractor();
@@ -79,6 +79,16 @@ DelaunayOptions SurfaceMaker::delaunay_options() const {
   return options;
 }
 
+// Creases are looked for along edges that are near to one.
+SharpenOptions SurfaceMaker::sharpen_options() const {
+  double longest = 0;
+  for (const Facet& f : raw_.soup.facets)
+    for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, squared_norm(raw_.soup.points[f[(i + 1) % 3]] - raw_.soup.points[f[i]]));
+  SharpenOptions options;
+  options.crease_reach = std::max(options.crease_reach, kReachPerEdge * std::sqrt(longest));
+  return options;
+}
+
 const TriangleSoup& SurfaceMaker::make() {
   if (raw_.soup.facets.empty()) extract();
   if (reference_) {
@@ -91,19 +101,24 @@ const TriangleSoup& SurfaceMaker::make() {
 
 void SurfaceMaker::extract() {
   if (extractor_ != Extractor::delaunay || !extract_by_delaunay()) extract_by_tetrahedra();
+  const SurfaceTopology before = surface_topology(raw_.soup);
   report_.actions.debris_dropped = leave_out_debris(raw_.soup, prepared_, set_.frame);
-  if (report_.actions.debris_dropped == 0) {
-    const LevelSetTopology field = level_set_topology(set_, progress_);
-    wanted_ = {field.surface_components, field.genus};
-  } else {
-    const SurfaceTopology sifted = surface_topology(raw_.soup);
-    wanted_ = {sifted.components.size(), sifted.genus.value_or(-1)};
-  }
+  want_topology(before);
+}
+
+// The level set's, less that of the pieces that were left out.
+void SurfaceMaker::want_topology(const SurfaceTopology& before_sifting) {
+  if (!field_) field_ = level_set_topology(set_, progress_);
+  wanted_ = {field_->surface_components, field_->genus};
+  if (report_.actions.debris_dropped == 0) return;
+  const SurfaceTopology after = surface_topology(raw_.soup);
+  wanted_.components -= before_sifting.components.size() - after.components.size();
+  wanted_.genus -= before_sifting.genus.value_or(0) - after.genus.value_or(0);
 }
 
 bool SurfaceMaker::extract_by_delaunay() {
   DelaunayOptions options = delaunay_options();
-  if (reference_) options.creases = polylines(reference_->soup(), find_creases(reference_->soup(), {.angle = report_.surface.crease_angle}));
+  if (reference_) options.creases = reference_->sharp;
   DelaunaySurface surface = extract_delaunay(set_, options, progress_);
   if (!surface.failure.empty()) {
     use_tetrahedra(surface.failure);
@@ -168,7 +183,7 @@ std::vector<std::uint32_t> SurfaceMaker::raw_vertices_of(const std::vector<std::
 void SurfaceMaker::sharpen_once() {
   std::vector<std::uint8_t> stays(raw_.soup.points.size(), 0);
   for (std::uint32_t v = 0; v < stays.size() && !staying_.empty(); ++v) stays[v] = staying_.contains(key(v));
-  sharpened_ = sharpen(raw_.soup, *reference_, stays, {}, progress_);
+  sharpened_ = sharpen(raw_.soup, reference_->surface, stays, sharpen_options(), progress_);
   SurfaceSummary& told = report_.surface;
   told.sharpened = true;
   told.points_moved = sharpened_.moved;

@@ -13,16 +13,24 @@
 #include "burnish/extract/reference_surface.h"
 #include "burnish/extract/sharpen.h"
 #include "burnish/levelset/level_set.h"
+#include "burnish/levelset/topology.h"
 #include "burnish/pipeline/report.h"
+#include "burnish/surface/validate.h"
 #include "prepare_input.h"
 
 namespace burnish {
+
+// What an extracted surface is to lie on, in lattice coordinates.
+struct SharpReference {
+  ReferenceSurface surface;
+  std::vector<std::vector<Vec3>> sharp;  // its creases but for the shallow ones, as polylines
+};
 
 class SurfaceMaker {
  public:
   // `reference`: the facets that bound the solid, in lattice coordinates, where they are what the level set was built from; null where it has moved since.
   // All have to outlive the maker, which tells report.surface, report.actions and report.warnings.
-  SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const ReferenceSurface> reference, RepairReport& report, Progress& progress);
+  SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const SharpReference> reference, RepairReport& report, Progress& progress);
 
   // The surface in lattice coordinates, without debris.
   const TriangleSoup& make();
@@ -41,6 +49,8 @@ class SurfaceMaker {
  private:
   void choose_extractor();
   DelaunayOptions delaunay_options() const;
+  SharpenOptions sharpen_options() const;
+  void want_topology(const SurfaceTopology& before_sifting);
   void extract();
   bool extract_by_delaunay();
   void extract_by_tetrahedra();
@@ -57,10 +67,11 @@ class SurfaceMaker {
 
   const LevelSet& set_;
   const PreparedInput& prepared_;
-  std::shared_ptr<const ReferenceSurface> reference_;
+  std::shared_ptr<const SharpReference> reference_;
   RepairReport& report_;
   Progress& progress_;
 
+  std::optional<LevelSetTopology> field_;     // once it was asked for
   Topology wanted_;
   Extractor extractor_ = Extractor::automatic;
   ExtractedSurface raw_;                      // before sharpening; no facets: to be extracted
@@ -72,6 +83,6 @@ class SurfaceMaker {
 
 // The facets that bound the solid with their creases, for sharpening: `surface` is in lattice coordinates, sigma (in cells) the noise's standard deviation.
 // Without an angle: kCreaseAngle, and shallower edges too where facets are as wide as cells.
-std::shared_ptr<const ReferenceSurface> make_reference(TriangleSoup surface, std::optional<double> crease_angle, double sigma);
+std::shared_ptr<const SharpReference> make_reference(TriangleSoup surface, std::optional<double> crease_angle, double sigma);
 
 }  // namespace burnish

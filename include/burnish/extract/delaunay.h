@@ -2,7 +2,7 @@
 //
 // **What it is.** The restricted Delaunay triangulation of the surface phi = 0 (Boissonnat & Oudot 2005): the facets between
 // tetrahedra whose circumcentres lie inside and outside of it. Points are added on the surface until all facets are small, near to it and
-// well-shaped, and until the surface is a 2-manifold. It is the boundary of a set of tetrahedra, so it is closed and oriented whatever happens, and facets
+// well-shaped. It is the boundary of a set of tetrahedra, so it is closed and oriented whatever happens, and facets
 // of one triangulation do not intersect.
 //
 // **What could go wrong, and what is done.** A mesher that starts from a few points finds one of 21 spheres and calls that clean. Here it starts from the
