@@ -2,7 +2,7 @@
 import models
 from runner import expect, expect_match
 from scenarios import scenario, valid_report
-from smoothing_scenarios import creases, expect_sharp_cube, fine_cube, off_cube_edges, read, triangles_of
+from smoothing_scenarios import creases, expect_sharp_cube, fine_cube, noisy_ball, off_cube_edges, read, triangles_of
 
 CELLS = ["--resolution", "24"]
 
@@ -21,6 +21,43 @@ def a_cube_comes_back_with_its_edges_and_corners(box):
         expect(max(off_cube_edges(m) for m, _, _ in creases(triangles)) < 1e-5, "sharp edges away from the cube's")
         expect(abs(report["after"]["volume"] - 1) < 1e-5, f"volume {report['after']['volume']}")
         expect(report["deviation"]["input_to_output"]["max"] < 1e-5, f"{report['deviation']}")
+
+
+@scenario("surface")
+def coarse_triangles_keep_edges_and_corners(box):
+    for size in (["--edge", "4h"], ["--edge-tolerance", "0.1h"]):
+        report = valid_report(box, ["cube.stl", "-o", "x.stl", "--overwrite", "--resolution", "32", *size])
+        expect(report["surface"]["extractor"] == "delaunay", f"{report['surface']}")
+        expect_sharp_cube(read(box, "x.stl"), degrees=0.1)
+        expect(abs(report["after"]["volume"] - 1) < 1e-5 and report["after"]["facets"] < 2000, f"{report['after']}")
+
+
+@scenario("surface")
+def tolerance_lets_triangles_grow(box):
+    box.succeed(["example", "sphere", "-q", "-o", "ball.stl"])
+    uniform = valid_report(box, ["ball.stl", "-o", "a.stl", "--surface", "delaunay", "--resolution", "64", "--crease", "60"])
+    report = valid_report(box, ["ball.stl", "-o", "b.stl", "--edge-tolerance", "0.1h", "--resolution", "64", "--crease", "60"])
+    expect(report["after"]["facets"] < 0.3 * uniform["after"]["facets"], f"{report['after']['facets']} of {uniform['after']['facets']} facets")
+    expect(report["deviation"]["output_to_input"]["rms"] < 0.3 * report["options"]["cell"], f"{report['deviation']}")
+
+
+@scenario("surface")
+def too_many_triangles_are_refused_before_they_are_made(box):
+    run = box.run(["cube.stl", "-o", "x.stl", "--edge", "1e-6", *CELLS])
+    expect(run.code == 6, f"exit code {run.code}\n{run.messages()}")
+    expect_match(r"edges of 1e-06 make about .* facets.*\n  hint: choose a larger --edge", run.messages(), "message")
+    box.expect_files([])
+
+
+@scenario("surface")
+def a_bound_holds_for_what_is_simplified(box):
+    box.write("noisy.stl", models.binary_stl(noisy_ball(0.02)))
+    run = box.run(["noisy.stl", "-o", "x.stl", "--smooth", "auto", "--deviation", "0.08", "--facets", "30"])
+    expect(run.code == 5, f"exit code {run.code}\n{run.messages()}")
+    expect_match(r"the result is 0\.\d+ from the repaired surface, and --deviation allows 0\.08", run.messages(), "message")
+    report = valid_report(box, ["noisy.stl", "-o", "x.stl", "--smooth", "auto", "--deviation", "0.08", "--facets", "600"])
+    expect(report["smoothing"]["deviation"] <= 0.0801, f"{report['smoothing']}")
+    expect(report["actions"]["facets_kept"] == 0 and report["actions"]["facets_added"] == report["after"]["facets"], f"{report['actions']}")
 
 
 @scenario("surface")
