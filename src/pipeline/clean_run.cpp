@@ -29,9 +29,9 @@ void tell_creases(const ReferenceSurface& reference, double cell, SurfaceSummary
 }
 
 // Whether a facet reaches into the region that was smoothed.
-bool may_have_moved(const TriangleSoup& soup, const Facet& f, const Region& region, double ramp) {
+bool may_have_moved(const TriangleSoup& soup, const Facet& f, const Region& region) {
   const Vec3 &a = soup.points[f[0]], &b = soup.points[f[1]], &c = soup.points[f[2]], middle = (a + b + c) / 3.0;
-  return region.uniform_mobility(middle, std::max({norm(a - middle), norm(b - middle), norm(c - middle)}), ramp) != 0.0;
+  return region.uniform_mobility(middle, std::max({norm(a - middle), norm(b - middle), norm(c - middle)}), 0) != 0.0;
 }
 
 // Those of the first facets that bound the solid, welded.
@@ -278,7 +278,7 @@ std::shared_ptr<const SharpReference> CleanRun::reference_for(const BuiltLevelSe
   if ((plan_.flows() && !plan_.region) || report_.options.thicken || report_.options.moves_walls()) return nullptr;
   const GridFrame& frame = built.level_set.frame;
   TriangleSoup surface = surface_of(prepared_.capped.soup, built.roles, built.roles.size());
-  if (plan_.flows()) std::erase_if(surface.facets, [&](const Facet& f) { return may_have_moved(surface, f, *plan_.region, ramp_of(report_.options)); });
+  if (plan_.flows()) std::erase_if(surface.facets, [&](const Facet& f) { return may_have_moved(surface, f, *plan_.region); });
   surface = to_lattice(surface, frame);
   if (surface.facets.empty()) return nullptr;
   // What has been denoised is not noisy any more.

@@ -228,8 +228,6 @@ void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& prog
   tell_grid(level_set.octree(), report);
 }
 
-double ramp_of(const ResolvedOptions& options) { return std::max(kRampInCells * options.cell, kRampInLengths * options.smooth); }
-
 void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
   const double square = options.cell * options.cell;
@@ -244,7 +242,7 @@ void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairRepo
   asked.redistance = options.redistance;
   Field<float> mobility;
   if (plan.region) {
-    mobility = mobility_field(level_set, *plan.region, ramp_of(options), progress);
+    mobility = mobility_field(level_set, *plan.region, std::max(kRampInCells * options.cell, kRampInLengths * options.smooth), progress);
     asked.mobility = &mobility;
   }
   const SmoothingResult done = smooth(level_set, asked, progress);

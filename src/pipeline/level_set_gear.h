@@ -34,9 +34,6 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
 // Makes an octree with finest blocks only as coarse as report.options.adapt allows; tells report.grid.
 void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);
 
-// How far from a region's border the surface moves freely, model units.
-double ramp_of(const ResolvedOptions& options);
-
 // Smooths as the plan and report.options say; tells report.smoothing and report.warnings.
 void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairReport& report, Progress& progress);
 
