@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "burnish/core/parallel.h"
+#include "burnish/surface/shells.h"
 
 namespace burnish {
 namespace {
@@ -13,7 +14,6 @@ namespace {
 constexpr double kBorderTurn = 30 * std::numbers::pi / 180;  // as at the corners of creases
 constexpr double kLeastChain = 4;      // mean edges: shorter creases with a free end are noise
 constexpr double kLeastOfResult = 2;   // mean edges of the result: shorter ones would show as spikes
-constexpr std::size_t kFewCorners = 8; // beside a quarter of the facets: each takes two
 constexpr double kUpright = 0.3;       // weight of the planes upright on creases and borders
 constexpr double kMiddle = 1e-3;       // how much of the quadric pulls towards the middle where planes leave a direction free
 constexpr double kFlat = 1e-7;         // squared distances, of squared edges: what a collapse costs at least
@@ -49,11 +49,21 @@ double least_chain(const TriangleSoup& soup, const SimplifyOptions& options) {
   return mean_edge_length(soup) * std::max(kLeastChain, kLeastOfResult * std::sqrt(fewer));
 }
 
-// Creases with more corners than the asked facets have room for are looked for at larger angles: `angle` is the one that was taken.
-Creases creases_with_room(const TriangleSoup& soup, const SimplifyOptions& options, double& angle) {
+// The fewest facets of any mesh with these corners, however it is connected: 2 inner points + border points - 2 Euler characteristic.
+std::size_t least_facets(const CollapsibleMesh& mesh, const Creases& creases, std::size_t shells) {
+  std::size_t count = 0;
+  for (const std::uint32_t p : creases.corners) count += mesh.on_border(p) ? 1 : 2;
+  return count - std::min(count, 4 * shells);
+}
+
+// Creases whose corners alone exceed the asked facets are looked for at larger angles: `angle` is the one that was taken. With a deviation all are
+// tried: its result with more facets than asked may be the best there is. [T-SIMP-6]
+Creases creases_with_room(const TriangleSoup& soup, const CollapsibleMesh& mesh, const SimplifyOptions& options, double& angle) {
+  const bool all = !options.facets || options.deviation;
+  const std::size_t shells = all ? 0 : find_shells(soup).shells.size();
   for (;; angle = CollapseStart::raised(angle)) {
     Creases creases = find_creases(soup, {.angle = angle, .least_length = least_chain(soup, options)});
-    if (!options.facets || angle >= 180 || creases.corners.size() <= *options.facets / 4 + kFewCorners) return creases;
+    if (all || angle >= 180 || least_facets(mesh, creases, shells) <= *options.facets + 1) return creases;
   }
 }
 
@@ -102,7 +112,7 @@ ErrorQuadric quadric_at(const CollapsibleMesh& mesh, std::uint32_t v) {
 
 CollapseStart::CollapseStart(const TriangleSoup& welded, const SimplifyOptions& options, double least_crease_angle)
     : crease_angle(least_crease_angle), mesh(welded), kinds(welded.points.size(), Kind::smooth), quadrics(welded.points.size()) {
-  mark_creases(welded, creases_with_room(welded, options, crease_angle), mesh, kinds);
+  mark_creases(welded, creases_with_room(welded, mesh, options, crease_angle), mesh, kinds);
   mark_borders(mesh, kinds);
   parallel_for(mesh.points(), [&](std::size_t v) {
     if (mesh.used(static_cast<std::uint32_t>(v))) quadrics[v] = quadric_at(mesh, static_cast<std::uint32_t>(v));
@@ -253,6 +263,13 @@ void EdgeCollapser::merge(std::uint32_t h, const Merge& merge) {
 std::uint32_t EdgeCollapser::merged(std::uint32_t v) const {
   while (into_[v] != v) v = into_[v];
   return v;
+}
+
+bool EdgeCollapser::creases_stopped_it() const {
+  std::size_t kept = 0;
+  for (std::uint32_t h = 0; h < mesh_.half_edges(); ++h)
+    kept += mesh_.alive(h / 3) && mesh_.edge(h) == h && !may_merge(mesh_.origin(h), mesh_.target(h), mesh_.sharp(h));
+  return kept > beyond_deviation_;
 }
 
 std::string EdgeCollapser::what_stopped_it() const {

@@ -57,6 +57,8 @@ class EdgeCollapser {
   // The point that v has been merged into, and how many were.
   std::uint32_t merged(std::uint32_t v) const;
   std::uint32_t cluster_size(std::uint32_t v) const { return size_[v]; }
+  // Whether creases keep more of the edges that are left than the deviation did in the last pass.
+  bool creases_stopped_it() const;
   // Why the last edges stayed.
   std::string what_stopped_it() const;
 

@@ -37,20 +37,27 @@ class Simplifier {
     samples_.vertex_samples = std::min(samples_.vertex_samples, kMostSamples);
   }
 
+  // Creases give way only where they are what keeps the count from being reached, and only if that leaves fewer facets. [T-SIMP-6]
   SimplifiedSurface run() {
-    for (int round = 1; round <= kSimplifyRounds; ++round) {
-      if (!attempt(round)) continue;
-      if (result_.reached || start_.crease_angle >= 180) return std::move(result_);
+    std::optional<SimplifiedSurface> best;
+    while (attempt_rounds()) {
+      if (!best || result_.reached || result_.soup.facets.size() < best->soup.facets.size()) best = std::move(result_);
+      if (best->reached || start_.crease_angle >= 180 || !creases_stopped_it_) break;
       start_over_with_fewer_creases();
-      round = 0;
     }
-    return unchanged();
+    return best ? std::move(*best) : unchanged();
   }
 
  private:
   void start_over_with_fewer_creases() {
     start_ = CollapseStart(given_, options_, CollapseStart::raised(start_.crease_angle));
     restraints_.assign(restraints_.size(), {});
+  }
+
+  bool attempt_rounds() {
+    for (int round = 1; round <= kSimplifyRounds; ++round)
+      if (attempt(round)) return true;
+    return false;
   }
 
   // Whether the result is valid; it need not have as few facets as asked for.
@@ -72,7 +79,9 @@ class Simplifier {
     result_.collapsed = collapser.collapsed();
     result_.held_points = static_cast<std::size_t>(std::count_if(restraints_.begin(), restraints_.end(), [](const Restraint& r) { return r.held(); }));
     result_.reached = !options_.facets || result_.soup.facets.size() <= *options_.facets + 1;
-    if (!result_.reached) result_.why_not = collapser.what_stopped_it();
+    if (result_.reached) return true;
+    result_.why_not = collapser.what_stopped_it();
+    creases_stopped_it_ = collapser.creases_stopped_it();
     return true;
   }
 
@@ -147,6 +156,7 @@ class Simplifier {
   std::vector<Restraint> restraints_;  // of points of the given surface
   CompareOptions samples_;
   SimplifiedSurface result_;
+  bool creases_stopped_it_ = false;    // short of the count that was asked for
   std::vector<std::uint32_t> from_;    // the given point behind each point of the result
 };
 

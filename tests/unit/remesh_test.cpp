@@ -108,6 +108,42 @@ TEST(Remesh, ThinShellsDoNotIntersect) {
   }
 }
 
+// Edges of 50 times what parts a ball from its cavity: both stay. The balls beside them do not.
+TEST(Remesh, ShellsThatCannotBeRemeshedHoldNoOthers) {
+  const TriangleSoup hollow = merged(icosphere(4), flipped(scaled(icosphere(4), 0.99))), ball = icosphere(4);
+  const TriangleSoup given = merged(moved(ball, {2.2, 0, 0}), merged(hollow, moved(ball, {-2.2, 0, 0})));
+  ASSERT_TRUE(inspect(given).defects.valid_solid());
+  const RemeshedSurface r = remesh(given, {.edge = 0.5});
+  EXPECT_TRUE(inspect(r.soup).defects.valid_solid());
+  EXPECT_GT(r.held_facets, 0u);
+  EXPECT_LE(r.held_facets, hollow.facets.size());
+  EXPECT_EQ(r.why_not, "");
+  expect_points_on(r.soup, given);
+  const TriangleSoup alone = remesh(ball, {.edge = 0.5}).soup;
+  for (const double side : {-1.0, 1.0}) {
+    const auto beyond = std::count_if(r.soup.facets.begin(), r.soup.facets.end(), [&](const Facet& f) { return r.soup.points[f[0]].x * side > 1.1; });
+    EXPECT_NEAR(static_cast<double>(beyond), static_cast<double>(alone.facets.size()), 0.2 * static_cast<double>(alone.facets.size()));
+  }
+}
+
+// A rod of 1 x 1 that is rolled out to 0.02 in its middle and wavy there.
+TEST(Remesh, WhatIsFarFromWhatIsWrongIsRemeshed) {
+  const TriangleSoup given = mapped(box({12, 1, 1}, 240, 20, 20), [](const Vec3& p) {
+    const double x = p.x - 6, thin = std::exp(-x * x / 0.5);
+    return Vec3{x, p.y, (p.z - 0.5) * (1 - 0.98 * thin) + 0.4 * std::sin(9 * x) * thin};
+  });
+  const RemeshedSurface r = remesh(given, {.edge = 0.5});
+  const Defects d = inspect(r.soup).defects;
+  EXPECT_TRUE(d.closed_manifold());
+  EXPECT_EQ(d.self_intersecting_pairs, 0u);
+  EXPECT_EQ(r.why_not, "");
+  EXPECT_GT(r.held_facets, 0u);
+  EXPECT_LT(r.held_facets, given.facets.size() / 2);
+  // Beyond 4 from the middle on each side only facets of the length aimed at: 18 of area in all, 0.43 edge^2 each, and as many again at most.
+  const auto far = std::count_if(r.soup.facets.begin(), r.soup.facets.end(), [&](const Facet& f) { return std::abs(r.soup.points[f[0]].x) > 4; });
+  EXPECT_LT(far, 2 * 18 / (0.43 * 0.25));
+}
+
 TEST(Remesh, SameBitsEveryTime) {
   const TriangleSoup given = torus(60, 30);
   const auto on_threads = [&](int threads) {

@@ -46,6 +46,27 @@ TriangleSoup cylinder(double height, std::uint32_t n, std::uint32_t m) {
   return s;
 }
 
+// A closed chain of points around, from z = 0 to z = height in m layers, and a point in the middle of each end.
+TriangleSoup prism(const std::vector<Vec3>& around, double height, std::uint32_t m) {
+  TriangleSoup s = cylinder(height, static_cast<std::uint32_t>(around.size()), m);
+  for (std::size_t p = 0; p + 2 < s.points.size(); ++p) s.points[p] = Vec3{around[p % around.size()].x, around[p % around.size()].y, s.points[p].z};
+  return s;
+}
+
+// n teeth, 8 long and 0.2 high with flanks of 63 degrees: 4 corners each at both ends, and 8 n facets at least.
+TriangleSoup gear(int n) {
+  const double radius = 16 * n / (2 * kPi), flank = 0.1 / radius;
+  std::vector<Vec3> around;
+  for (int i = 0; i < n; ++i)
+    for (const auto& [at, r] : {std::pair{0.0, radius}, {flank, radius + 0.2}, {kPi / n, radius + 0.2}, {kPi / n + flank, radius}}) {
+      const double angle = 2 * kPi * i / n + at;
+      around.push_back({r * std::cos(angle), r * std::sin(angle), 0});
+    }
+  return prism(around, 30, 6);
+}
+
+double largest(const SimplifiedSurface& r) { return std::max(r.deviation.input_to_output.max, r.deviation.output_to_input.max); }
+
 double rms_to_unit_sphere(const TriangleSoup& soup) {
   double sum = 0, weight = 0;
   for (std::size_t f = 0; f < soup.facets.size(); ++f) {
@@ -134,6 +155,34 @@ TEST(Simplify, CreasesWithoutRoomGiveWay) {
   EXPECT_GT(r.crease_angle, 40);
   EXPECT_TRUE(inspect(r.soup).defects.valid_solid());
   EXPECT_NEAR(signed_volume(r.soup), signed_volume(given), 0.05 * signed_volume(given));
+}
+
+TEST(Simplify, CreasesThatFitTheCountStay) {
+  const TriangleSoup given = gear(50);
+  ASSERT_EQ(find_creases(given).corners.size(), 400u);
+  const SimplifiedSurface r = simplify(given, {.facets = 820});
+  EXPECT_TRUE(r.reached) << r.why_not;
+  EXPECT_EQ(r.crease_angle, 40);
+  EXPECT_NEAR(static_cast<double>(r.soup.facets.size()), 820, 1);
+  EXPECT_LT(largest(r), 1e-9);
+}
+
+TEST(Simplify, ACountBesideADeviationIsNoWorseThanTheDeviation) {
+  const TriangleSoup given = gear(50);
+  const SimplifiedSurface alone = simplify(given, {.deviation = 0.001}), both = simplify(given, {.facets = 200, .deviation = 0.001});
+  EXPECT_LE(both.soup.facets.size(), alone.soup.facets.size());
+  EXPECT_FALSE(both.reached);
+  EXPECT_NE(both.why_not, "");
+  EXPECT_LE(largest(both), 0.001);
+  EXPECT_GT(both.verified_samples, 0u);
+}
+
+// 64 corners take 124 facets; within 2.0, ten times the height of the teeth, fewer do.
+TEST(Simplify, CreasesGiveWayWithinTheDeviation) {
+  const SimplifiedSurface r = simplify(gear(8), {.facets = 40, .deviation = 2.0});
+  EXPECT_TRUE(r.reached) << r.why_not;
+  EXPECT_GT(r.crease_angle, 40);
+  EXPECT_LE(largest(r), 2.0);
 }
 
 TEST(Simplify, MoreFacetsThanThereAreChangeNothing) {

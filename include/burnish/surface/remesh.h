@@ -1,8 +1,9 @@
 // Isotropic remeshing: facets of one size and good shape, on the same surface.
 //
-// Guarantees: a valid surface gives a valid one of the same topology (looked at with exact predicates; where remeshing went wrong it is done again
-// with the facets there left as they are); its points lie on the given surface, to rounding; creases and borders stay chains of edges and their
-// corners stay bit for bit; same bits on every run and for any number of threads.
+// Guarantees: a valid surface gives a valid one of the same topology, looked at with exact predicates. Shells are remeshed each on its own. One that
+// intersects itself or another is done again with the facets there left as they are, from the second time on with rings of the result's facets around
+// them, one more each time; those that are wrong at the sixth attempt or later stay whole. Points lie on the given surface, to rounding; creases and
+// borders stay chains of edges and their corners stay bit for bit; same bits on every run and for any number of threads.
 //
 // Accuracy: the distance to the given surface is that of chords, about edge^2 / 8 over the radius of curvature. 99 % of the facets have no angle below
 // 30 degrees, but where creases meet at smaller ones or facets are held. Method: Botsch & Kobbelt 2004 as in CGAL:
@@ -25,9 +26,9 @@ struct RemeshOptions {
 };
 
 struct RemeshedSurface {
-  TriangleSoup soup;             // welded; no groups, no colours
-  std::size_t held_facets = 0;   // of the given surface, that stayed as they are because they intersected when remeshed
-  std::string why_not;           // one sentence if no valid result was found: then the given surface is the result
+  TriangleSoup soup;             // welded; shells in the order of their first facets; no groups, no colours
+  std::size_t held_facets = 0;   // of the given surface, that stayed as they are because they would intersect or have no area when remeshed
+  std::string why_not;           // one sentence if all facets had to stay: then the given surface is the result
 };
 
 // Remeshes a surface that is valid: 2-manifold, consistently oriented, without self-intersections; closed or not.

@@ -4,8 +4,9 @@
 //
 //   1. A closed 2-manifold stays one, with the same genus and shells; a sheet keeps its borders. No two facets intersect and none is degenerate:
 //      looked at with exact predicates (`inspect`), not hoped for. Where collapses went wrong, all is done again and those places stay finer.
-//   2. Creases (`find_creases`) and borders stay chains of edges. Chains are thinned along their way; their corners stay bit for bit. Where creases
-//      leave no room for the asked count, only sharper ones are kept: `SimplifiedSurface::crease_angle`. Short ones with a free end are noise: below 4 mean
+//   2. Creases (`find_creases`) and borders stay chains of edges. Chains are thinned along their way; their corners stay bit for bit. Only where
+//      the asked count cannot be reached so, sharper ones alone are kept: `SimplifiedSurface::crease_angle`; of all results within the deviation,
+//      the one with the fewest facets counts, of equal ones the first. Short ones with a free end are noise: below 4 mean
 //      edges, or 2 of the result's.
 //   3. With `deviation`: every point of the given soup has the result within it (tracked through all collapses), and in the end `verified_samples` of each
 //      surface, its points and places spread over its area, were found to have the other one within it. Between samples nothing is proved.
@@ -50,9 +51,10 @@ struct SimplifiedSurface {
 };
 
 // Simplifies a surface that is valid: 2-manifold, consistently oriented, without self-intersections; closed or not. If no valid result is
-// found in kSimplifyRounds rounds, the given surface is the result and `why_not` tells.
+// found in kSimplifyRounds rounds with the creases of the asked angle, the given surface is the result and `why_not` tells.
 // Throws Error{guarantee_unmet} if the soup is no oriented 2-manifold, Error{usage} for a deviation that is negative or not a number.
-// Cost: about 10 us for each facet that goes, 40 us with `deviation`, and as much again for each further round; on one thread. Memory: 500 bytes a facet.
+// Cost: about 10 us for each facet that goes, 40 us with `deviation`, and as much again for each further round and
+// each of up to three angles at which creases are given up; on one thread. Memory: 500 bytes a facet.
 SimplifiedSurface simplify(const TriangleSoup& manifold, const SimplifyOptions& options, Progress& progress = no_progress());
 
 inline constexpr int kSimplifyRounds = 8;
