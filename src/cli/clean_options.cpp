@@ -19,7 +19,7 @@ void smoothing(const GivenValue& given, CleanOptions& options) {
 // Degrees above 0, and `most` at most.
 double angle(const GivenValue& given, double most) {
   const double degrees = non_negative_number(given);
-  if (degrees > 0 && degrees <= most) return degrees;
+  if (degrees > 0 && degrees <= most && degrees < 180) return degrees;
   throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle between 0 and {} degrees", given.name, given.text, most));
 }
 
