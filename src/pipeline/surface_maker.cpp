@@ -18,7 +18,8 @@ constexpr double kResolvedAngle = 5, kResolvedReach = 1;  // degrees, cells
 constexpr double kDistancePerEdge = 0.1;                  // of Delaunay facets, where no tolerance is given
 constexpr double kLeastDistance = 0.02;                   // cells
 constexpr double kReachPerEdge = 1.5;
-constexpr int kSettlingRounds = 6;
+constexpr int kSettlingRounds = 4;
+constexpr int kSharpenedRounds = 3;                       // of mending; then the surface stays as it was extracted
 constexpr double kFar = 0.2;                              // cells: vertices that sharpening moves farther may have met others
 constexpr double kShortestNoisyCrease = 8;                // mean edges
 
@@ -193,6 +194,13 @@ void SurfaceMaker::sharpen_once() {
 
 bool SurfaceMaker::mend(const std::vector<std::uint32_t>& facets) {
   const std::vector<std::uint32_t> vertices = raw_vertices_of(facets);
+  // No facet is to blame for a shell that lies where none should.
+  if (reference_ && (vertices.empty() || ++mended_ > kSharpenedRounds)) {
+    report_.warnings.push_back("creases were not cut into the result: it would have met itself there");
+    report_.surface.sharpened = false;
+    reference_ = nullptr;
+    return true;
+  }
   if (vertices.empty()) return false;
   if (reference_ && leave_unsharpened(vertices)) return true;
   if (extractor_ == Extractor::delaunay) {

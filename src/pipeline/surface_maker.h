@@ -77,6 +77,7 @@ class SurfaceMaker {
   ExtractedSurface raw_;                      // before sharpening; no facets: to be extracted
   SharpenedSurface sharpened_;
   PlainNodes plain_;
+  int mended_ = 0;
   // Vertices that are not sharpened, by where they lie on the lattice: that stays the same when the surface is extracted anew.
   std::unordered_set<std::uint64_t> staying_;
 };
