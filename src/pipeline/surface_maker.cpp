@@ -18,8 +18,8 @@ constexpr double kResolvedAngle = 5, kResolvedReach = 1;  // degrees, cells
 constexpr double kDistancePerEdge = 0.1;                  // of Delaunay facets, where no tolerance is given
 constexpr double kLeastDistance = 0.02;                   // cells
 constexpr double kReachPerEdge = 1.5;
-constexpr int kSettlingRounds = 4;
-constexpr int kSharpenedRounds = 3;                       // of mending; then the surface stays as it was extracted
+constexpr int kSettlingRounds = 3;
+constexpr int kSharpenedRounds = 1;                       // of mending; then the surface stays as it was extracted
 constexpr double kFar = 0.2;                              // cells: vertices that sharpening moves farther may have met others
 constexpr double kShortestNoisyCrease = 8;                // mean edges
 
