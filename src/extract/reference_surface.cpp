@@ -25,18 +25,6 @@ std::vector<Vec3> unit_normals(const TriangleSoup& soup) {
   return normals;
 }
 
-TriangleSoup folded_edges(const TriangleSoup& soup, const Creases& creases) {
-  TriangleSoup edges;
-  edges.points.reserve(2 * creases.edges.size());
-  for (const CreaseEdge& e : creases.edges) {
-    const auto first = static_cast<std::uint32_t>(edges.points.size());
-    edges.points.push_back(soup.points[e.points[0]]);
-    edges.points.push_back(soup.points[e.points[1]]);
-    edges.facets.push_back({first, first + 1, first + 1});
-  }
-  return edges;
-}
-
 ReferenceSurface::Foot foot_of(const TriangleIndex::Closest& c) {
   return c.facet == kNoFacet ? ReferenceSurface::Foot{} : ReferenceSurface::Foot{c.point, c.squared_distance, c.facet};
 }
@@ -54,7 +42,7 @@ ReferenceSurface::ReferenceSurface(TriangleSoup surface, Creases creases)
       creases_(std::move(creases)),
       normals_(unit_normals(soup_)),
       index_(soup_),
-      crease_edges_(folded_edges(soup_, creases_)),
+      crease_edges_(folded(soup_, creases_)),
       crease_index_(crease_edges_) {
   if (has_creases()) link_facets();
 }

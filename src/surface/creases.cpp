@@ -191,4 +191,16 @@ class Finder {
 
 Creases find_creases(const TriangleSoup& welded, const CreaseOptions& options) { return Finder(welded, options).find(); }
 
+TriangleSoup folded(const TriangleSoup& soup, const Creases& creases) {
+  TriangleSoup edges;
+  edges.points.reserve(2 * creases.edges.size());
+  for (const CreaseEdge& e : creases.edges) {
+    const auto first = static_cast<std::uint32_t>(edges.points.size());
+    edges.points.push_back(soup.points[e.points[0]]);
+    edges.points.push_back(soup.points[e.points[1]]);
+    edges.facets.push_back({first, first + 1, first + 1});
+  }
+  return edges;
+}
+
 }  // namespace burnish

@@ -11,14 +11,6 @@ namespace {
 
 constexpr std::size_t kGrain = 256;
 
-// Closest points of a triangle without area are those of its longest edge.
-TriangleSoup folded_creases(const TriangleSoup& welded, double degrees) {
-  TriangleSoup folded;
-  folded.points = welded.points;
-  for (const CreaseEdge& e : find_creases(welded, {.angle = degrees}).edges) folded.facets.push_back({e.points[0], e.points[1], e.points[1]});
-  return folded;
-}
-
 // Sums of samples, in the order of the samples.
 struct Sum {
   std::size_t samples = 0, angles = 0;
@@ -63,10 +55,10 @@ double mean_of_ways(double there, double back, const TwoWayError& e) {
 }  // namespace
 
 CreaseEdges::CreaseEdges(const TriangleSoup& welded, double degrees) : index_([&] {
-  const TriangleSoup folded = folded_creases(welded, degrees);
-  count_ = folded.facets.size();
-  for (std::size_t f = 0; f < count_; ++f) length_ += norm(folded.corner(f, 1) - folded.corner(f, 0));
-  return folded;
+  const TriangleSoup edges = folded(welded, find_creases(welded, {.angle = degrees}));
+  count_ = edges.facets.size();
+  for (std::size_t f = 0; f < count_; ++f) length_ += norm(edges.corner(f, 1) - edges.corner(f, 0));
+  return edges;
 }()) {}
 
 bool CreaseEdges::within(const Vec3& p, double distance) const {

@@ -41,13 +41,8 @@ double cell_of(const TriangleSoup& part) {
 }
 
 struct CreaseLines {
-  CreaseLines(const TriangleSoup& surface, double angle) : soup(surface), creases(find_creases(surface, {.angle = angle})), index(folded()) {}
+  CreaseLines(const TriangleSoup& surface, double angle) : soup(surface), creases(find_creases(surface, {.angle = angle})), index(folded(soup, creases)) {}
 
-  TriangleSoup folded() const {
-    TriangleSoup lines{soup.points, {}, {}};
-    for (const CreaseEdge& e : creases.edges) lines.facets.push_back({e.points[0], e.points[1], e.points[1]});
-    return lines;
-  }
   double dihedral(std::size_t edge) const {
     const auto& f = creases.edges[edge].facets;
     return angle_in_degrees(facet_normal_2a(soup, f[0]), facet_normal_2a(soup, f[1]));

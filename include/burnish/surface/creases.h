@@ -42,4 +42,7 @@ struct Creases {
 // threads, and for the soup multiplied by a power of two (with `resolved`, `least_length` and `sigma` multiplied too). Linear.
 Creases find_creases(const TriangleSoup& welded, const CreaseOptions& options = {});
 
+// The edges as triangles {a, b, b}, facet e for edge e: what a TriangleIndex finds closest points of creases in.
+TriangleSoup folded(const TriangleSoup& soup, const Creases& creases);
+
 }  // namespace burnish
