@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "sharpen_mesh.h"
+#include "sharpening_state.h"
 
 namespace burnish {
 namespace detail {
@@ -60,57 +61,37 @@ SharpenMesh with_feet(const TriangleSoup& m, const ReferenceSurface& s, const st
   return mesh;
 }
 
-// Drops facets that are gone and points that none uses any more; all else keeps its order.
-SharpenedSurface collected(SharpenMesh&& mesh, std::vector<Vec3>&& points) {
-  SharpenedSurface result;
-  std::vector<std::uint32_t> number(points.size(), 0);
-  std::erase_if(mesh.facets, [](const Facet& f) { return f[0] == f[1]; });
-  for (const Facet& f : mesh.facets)
-    for (const std::uint32_t v : f) number[v] = 1;
-  std::uint32_t used = 0;
-  for (std::uint32_t v = 0; v < points.size(); ++v) {
-    if (!number[v]) continue;
-    const bool there = !mesh.stays(v) && points[v] == mesh.target[v];
-    ++(there ? result.moved : result.kept);
-    points[used] = points[v];
-    mesh.parents[used] = mesh.parents[v];
-    mesh.kind[used] = mesh.kind[v];
-    number[v] = used++;
-  }
-  points.resize(used);
-  mesh.parents.resize(used);
-  mesh.kind.resize(used);
-  for (Facet& f : mesh.facets)
-    for (std::uint32_t& v : f) v = number[v];
-  result.soup.points = std::move(points);
-  result.soup.facets = std::move(mesh.facets);
-  result.parents = std::move(mesh.parents);
-  result.kind = std::move(mesh.kind);
-  return result;
-}
-
 }  // namespace
 
 SharpenedSurface sharpen(const TriangleSoup& m, const ReferenceSurface& s, const std::vector<std::uint8_t>& stays, const SharpenOptions& options,
                          Progress& progress) {
+  return Sharpening(m, s, stays, options, progress).surface();
+}
+
+Sharpening::Sharpening(Sharpening&&) noexcept = default;
+Sharpening& Sharpening::operator=(Sharpening&&) noexcept = default;
+Sharpening::~Sharpening() = default;
+
+Sharpening::Sharpening(const TriangleSoup& m, const ReferenceSurface& s, const std::vector<std::uint8_t>& stays, const SharpenOptions& options,
+                       Progress& progress)
+    : state_(std::make_unique<SharpeningState>()) {
   progress.check();
-  SharpenMesh mesh = with_feet(m, s, stays, options.reach);
+  SharpenMesh& mesh = state_->mesh = with_feet(m, s, stays, options.reach);
   progress.check();
-  std::size_t cut = 0;
   if (s.has_creases()) {
     const std::vector<Crossing> crossings = embed_creases(mesh, s, options, progress);
     cut_edges(mesh, crossings);
     unfold_creases(mesh, s);
-    cut = crossings.size();
+    state_->cut = crossings.size();
   }
+  state_->before = mesh.facets;
+  state_->edits = UnionFind(mesh.facets.size());
+  state_->steps_back.assign(mesh.start.size(), 0);
   // Most facets that moving turns over are those of slivers, and gone once these are improved; only what is left is taken back.
-  std::vector<Vec3> points = mesh.target;
-  if (options.improve) improve_shape(mesh, points, s, progress);
-  const bool complete = take_back(mesh, points, s, progress);
-  if (options.improve && !complete) improve_shape(mesh, points, s, progress);
-  SharpenedSurface result = collected(std::move(mesh), std::move(points));
-  result.cut = cut;
-  return result;
+  std::vector<Vec3>& points = state_->points = mesh.target;
+  if (options.improve) improve_shape(mesh, points, state_->edits, s, progress);
+  const bool complete = detail::take_back(mesh, points, s, progress);
+  if (options.improve && !complete) improve_shape(mesh, points, state_->edits, s, progress);
 }
 
 }  // namespace burnish

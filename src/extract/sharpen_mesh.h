@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "burnish/core/parallel.h"
+#include "burnish/core/union_find.h"
 #include "burnish/extract/reference_surface.h"
 #include "burnish/extract/sharpen.h"
 
@@ -69,8 +70,8 @@ void cut_edges(SharpenMesh& mesh, const std::vector<Crossing>& crossings);
 // Chains of crease vertices that run to and fro along a crease, as ragged tips of wedges make them, run one way only.
 void unfold_creases(SharpenMesh& mesh, const ReferenceSurface& s);
 
-// Step 3: changes facets, points, `target` and `sheet`; facets that are gone become {0, 0, 0}.
-void improve_shape(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress);
+// Step 3: changes facets, points, `target` and `sheet`; facets that are gone become {0, 0, 0}. Facets that one flip or collapse has changed are united in `edits`.
+void improve_shape(SharpenMesh& mesh, std::vector<Vec3>& points, UnionFind& edits, const ReferenceSurface& s, Progress& progress);
 
 // Step 4: takes points that are at their targets back where facets are turned over. True if there are none.
 bool take_back(const SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress);

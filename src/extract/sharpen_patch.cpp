@@ -12,8 +12,8 @@ constexpr double kNoDirection = 1e-6;  // sine of the least angle of a facet wit
 
 }  // namespace
 
-Patch::Patch(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s)
-    : mesh_(mesh), points_(points), s_(s), around_(mesh.facets, points.size()) {
+Patch::Patch(SharpenMesh& mesh, std::vector<Vec3>& points, UnionFind& edits, const ReferenceSurface& s)
+    : mesh_(mesh), points_(points), edits_(edits), s_(s), around_(mesh.facets, points.size()) {
   // The targets' way to face, before anything changes.
   for (std::uint32_t f = 0; f < mesh.facets.size(); ++f) {
     const Facet& c = mesh.facets[f];
@@ -137,6 +137,7 @@ void Patch::flip(std::uint32_t p, std::uint32_t q) {
   const auto [f, g] = facets_at_edge(p, q);
   const std::uint32_t r = opposite(f, p, q), s = opposite(g, p, q);
   keep_facing(f), keep_facing(g);
+  edits_.unite(f, g);
   own_facing_[g] = own_facing_[f];
   mesh_.facets[f] = {p, s, r};
   mesh_.facets[g] = {s, q, r};
@@ -153,6 +154,7 @@ void Patch::flip(std::uint32_t p, std::uint32_t q) {
 void Patch::collapse(std::uint32_t p, std::uint32_t q) {
   const std::vector<std::uint32_t> facets = own_list(p);
   for (const std::uint32_t f : facets) {
+    edits_.unite(facets.front(), f);
     if (has(f, q)) {
       for (const std::uint32_t v : facet(f))
         if (v != p) std::erase(own_list(v), f);

@@ -16,7 +16,7 @@ inline constexpr double kPoor = 0.2588190451025208;  // sin 15 degrees
 // Facets that are gone are {0, 0, 0}. Only what has changed is kept apart from the mesh's own arrays.
 class Patch {
  public:
-  Patch(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s);
+  Patch(SharpenMesh& mesh, std::vector<Vec3>& points, UnionFind& edits, const ReferenceSurface& s);
 
   const SharpenMesh& mesh() const { return mesh_; }
   const Facet& facet(std::uint32_t f) const { return mesh_.facets[f]; }
@@ -60,6 +60,7 @@ class Patch {
 
   SharpenMesh& mesh_;
   std::vector<Vec3>& points_;
+  UnionFind& edits_;
   const ReferenceSurface& s_;
   FacetsAround around_;
   std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> changed_;  // vertex -> facets, ascending

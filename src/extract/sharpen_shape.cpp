@@ -49,7 +49,7 @@ struct Change {
 
 class Improver {
  public:
-  Improver(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s) : s_(s), patch_(mesh, points, s) {}
+  Improver(SharpenMesh& mesh, std::vector<Vec3>& points, UnionFind& edits, const ReferenceSurface& s) : s_(s), patch_(mesh, points, edits, s) {}
 
   void run(Progress& progress) {
     std::vector<std::uint32_t> poor = patch_.all_poor_facets();
@@ -224,8 +224,8 @@ class Improver {
 
 }  // namespace
 
-void improve_shape(SharpenMesh& mesh, std::vector<Vec3>& points, const ReferenceSurface& s, Progress& progress) {
-  Improver(mesh, points, s).run(progress);
+void improve_shape(SharpenMesh& mesh, std::vector<Vec3>& points, UnionFind& edits, const ReferenceSurface& s, Progress& progress) {
+  Improver(mesh, points, edits, s).run(progress);
 }
 
 }  // namespace burnish::detail

@@ -7,7 +7,6 @@
 #include <utility>
 
 #include "burnish/surface/creases.h"
-#include "burnish/surface/inspect.h"
 #include "level_set_gear.h"
 
 namespace burnish {
@@ -18,9 +17,8 @@ constexpr double kResolvedAngle = 5, kResolvedReach = 1;  // degrees, cells
 constexpr double kDistancePerEdge = 0.1;                  // of Delaunay facets, where no tolerance is given
 constexpr double kLeastDistance = 0.02;                   // cells
 constexpr double kReachPerEdge = 1.5;
-constexpr int kSettlingRounds = 3;
-constexpr int kSharpenedRounds = 1;                       // of mending; then the surface stays as it was extracted
-constexpr double kFar = 0.2;                              // cells: vertices that sharpening moves farther may have met others
+constexpr int kSharpeningRounds = 2;
+constexpr int kSharpenedRounds = 6;                       // of mending; then the surface stays as it was extracted
 constexpr double kShortestNoisyCrease = 8;                // mean edges
 
 std::vector<std::vector<Vec3>> polylines(const TriangleSoup& surface, const Creases& creases) {
@@ -30,6 +28,14 @@ std::vector<std::vector<Vec3>> polylines(const TriangleSoup& surface, const Crea
     for (const std::uint32_t p : chain) lines.back().push_back(surface.points[p]);
   }
   return lines;
+}
+
+void mark_with_neighbours(const TriangleSoup& soup, const std::vector<std::uint32_t>& vertices, std::vector<std::uint8_t>& marks) {
+  std::vector<char> given(soup.points.size(), 0);
+  for (const std::uint32_t v : vertices) given[v] = 1;
+  for (const Facet& f : soup.facets)
+    if (given[f[0]] || given[f[1]] || given[f[2]])
+      for (const std::uint32_t v : f) marks[v] = 1;
 }
 
 }  // namespace
@@ -91,13 +97,19 @@ SharpenOptions SurfaceMaker::sharpen_options() const {
 }
 
 const TriangleSoup& SurfaceMaker::make() {
-  if (raw_.soup.facets.empty()) extract();
-  if (reference_) {
-    settle();
-  } else {
-    sharpened_ = {std::move(raw_.soup), {}, {}, 0, 0, 0};
+  if (raw_.soup.facets.empty()) {
+    extract();
+    if (reference_) sharpen_and_settle();
   }
-  return sharpened_.soup;
+  if (!sharpening_) return raw_.soup;
+  SharpenedSurface sharpened = sharpening_->surface();
+  SurfaceSummary& told = report_.surface;
+  told.sharpened = true;
+  told.points_moved = sharpened.moved;
+  told.edges_cut = sharpened.cut;
+  told.points_kept = sharpened.kept;
+  sharpened_ = std::move(sharpened.soup);
+  return sharpened_;
 }
 
 void SurfaceMaker::extract() {
@@ -135,97 +147,46 @@ void SurfaceMaker::use_tetrahedra(const std::string& why) {
   extractor_ = report_.surface.extractor = Extractor::tetrahedra;
   report_.surface.reason = "instead of delaunay: " + why;
   report_.warnings.push_back("the Delaunay surface could not be made, and the octree's is the result: " + why);
-  staying_.clear();
 }
 
-std::uint64_t SurfaceMaker::key(std::uint32_t vertex) const {
-  if (raw_.origins.empty()) return vertex;
-  const VertexOrigin& o = raw_.origins[vertex];
-  return std::uint64_t{o.leaf} * kBlockNodes + o.node;
-}
-
-void SurfaceMaker::settle() {
-  for (int round = 0; round < kSettlingRounds; ++round) {
-    sharpen_once();
-    const std::vector<std::uint32_t> doubtful = facets_in_doubt();
-    TriangleSoup part{sharpened_.soup.points, {}, {}};
-    for (const std::uint32_t f : doubtful) part.facets.push_back(sharpened_.soup.facets[f]);
-    std::vector<std::uint32_t> broken;
-    for (const auto& pair : self_intersecting_pairs(part, progress_))
-      for (const std::uint32_t i : pair) broken.push_back(doubtful[i]);
-    if (broken.empty() || !leave_unsharpened(raw_vertices_of(broken))) return;
+void SurfaceMaker::sharpen_and_settle() {
+  std::vector<std::uint8_t> stays;
+  for (int round = 0; round < kSharpeningRounds; ++round) {
+    sharpening_.emplace(raw_.soup, reference_->surface, stays, sharpen_options(), progress_);
+    const std::vector<std::uint32_t> stuck = sharpening_->settle(progress_);
+    if (stuck.empty()) return;
+    stays.resize(raw_.soup.points.size(), 0);
+    mark_with_neighbours(raw_.soup, stuck, stays);
   }
-}
-
-std::vector<std::uint32_t> SurfaceMaker::facets_in_doubt() const {
-  const auto doubtful = [&](std::uint32_t p) {
-    const auto& [a, b] = sharpened_.parents[p];
-    return sharpened_.kind[p] != SharpenedKind::smooth || a != b || squared_norm(sharpened_.soup.points[p] - raw_.soup.points[a]) > kFar * kFar;
-  };
-  std::vector<std::uint32_t> facets;
-  for (std::uint32_t f = 0; f < sharpened_.soup.facets.size(); ++f)
-    if (std::any_of(sharpened_.soup.facets[f].begin(), sharpened_.soup.facets[f].end(), doubtful)) facets.push_back(f);
-  return facets;
-}
-
-std::vector<std::uint32_t> SurfaceMaker::raw_vertices_of(const std::vector<std::uint32_t>& facets) const {
-  std::vector<std::uint32_t> vertices;
-  for (const std::uint32_t f : facets)
-    for (const std::uint32_t p : sharpened_.soup.facets[f]) {
-      if (sharpened_.parents.empty()) {
-        vertices.push_back(p);
-      } else {
-        vertices.insert(vertices.end(), sharpened_.parents[p].begin(), sharpened_.parents[p].end());
-      }
-    }
-  return vertices;
-}
-
-void SurfaceMaker::sharpen_once() {
-  std::vector<std::uint8_t> stays(raw_.soup.points.size(), 0);
-  for (std::uint32_t v = 0; v < stays.size() && !staying_.empty(); ++v) stays[v] = staying_.contains(key(v));
-  sharpened_ = sharpen(raw_.soup, reference_->surface, stays, sharpen_options(), progress_);
-  SurfaceSummary& told = report_.surface;
-  told.sharpened = true;
-  told.points_moved = sharpened_.moved;
-  told.edges_cut = sharpened_.cut;
-  told.points_kept = sharpened_.kept;
 }
 
 bool SurfaceMaker::mend(const std::vector<std::uint32_t>& facets) {
-  const std::vector<std::uint32_t> vertices = raw_vertices_of(facets);
-  // No facet is to blame for a shell that lies where none should.
-  if (reference_ && (vertices.empty() || ++mended_ > kSharpenedRounds)) {
-    report_.warnings.push_back("creases were not cut into the result: it would have met itself there");
-    report_.surface.sharpened = false;
-    reference_ = nullptr;
+  if (sharpening_) {
+    if (++mended_ > kSharpenedRounds || !sharpening_->take_back(facets, progress_)) give_up_sharpening();
     return true;
   }
-  if (vertices.empty()) return false;
-  if (reference_ && leave_unsharpened(vertices)) return true;
+  if (facets.empty()) return false;
   if (extractor_ == Extractor::delaunay) {
     use_tetrahedra("rounding to the file's precision breaks it");
     raw_ = {};
     return true;
   }
-  return leave_unsnapped(vertices);
+  return leave_unsnapped(facets);
 }
 
-// The vertices and their neighbours stay where the extraction put them. False if they all did already.
-bool SurfaceMaker::leave_unsharpened(const std::vector<std::uint32_t>& vertices) {
-  std::vector<char> marked(raw_.soup.points.size(), 0);
-  for (const std::uint32_t v : vertices) marked[v] = 1;
-  const std::size_t before = staying_.size();
-  for (const Facet& f : raw_.soup.facets)
-    if (marked[f[0]] || marked[f[1]] || marked[f[2]])
-      for (const std::uint32_t v : f) staying_.insert(key(v));
-  return staying_.size() > before;
+void SurfaceMaker::give_up_sharpening() {
+  report_.warnings.push_back("creases were not cut into the result: it would have met itself there");
+  report_.surface.sharpened = false;
+  reference_ = nullptr;
+  sharpening_.reset();
+  sharpened_ = {};
 }
 
-bool SurfaceMaker::leave_unsnapped(const std::vector<std::uint32_t>& vertices) {
+bool SurfaceMaker::leave_unsnapped(const std::vector<std::uint32_t>& facets) {
   if (raw_.origins.empty()) return false;
   std::vector<VertexOrigin> origins;
-  for (const std::uint32_t v : vertices) origins.push_back(raw_.origins[v]);
+  for (const std::uint32_t f : facets)
+    for (const std::uint32_t v : raw_.soup.facets[f]) origins.push_back(raw_.origins[v]);
   mark_plain(set_.octree(), origins, plain_);
   raw_ = {};
   return true;

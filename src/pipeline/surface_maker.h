@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <unordered_set>
 #include <vector>
 
 #include "burnish/core/progress.h"
@@ -55,15 +54,9 @@ class SurfaceMaker {
   bool extract_by_delaunay();
   void extract_by_tetrahedra();
   void use_tetrahedra(const std::string& why);
-  // Sharpens, until what it has moved most does not intersect any more.
-  void settle();
-  void sharpen_once();
-  // Facets at creases, and those that have moved far.
-  std::vector<std::uint32_t> facets_in_doubt() const;
-  std::vector<std::uint32_t> raw_vertices_of(const std::vector<std::uint32_t>& facets) const;
-  bool leave_unsharpened(const std::vector<std::uint32_t>& vertices);
-  bool leave_unsnapped(const std::vector<std::uint32_t>& vertices);
-  std::uint64_t key(std::uint32_t vertex) const;
+  void sharpen_and_settle();
+  void give_up_sharpening();
+  bool leave_unsnapped(const std::vector<std::uint32_t>& facets);
 
   const LevelSet& set_;
   const PreparedInput& prepared_;
@@ -75,11 +68,10 @@ class SurfaceMaker {
   Topology wanted_;
   Extractor extractor_ = Extractor::automatic;
   ExtractedSurface raw_;                      // before sharpening; no facets: to be extracted
-  SharpenedSurface sharpened_;
+  std::optional<Sharpening> sharpening_;
+  TriangleSoup sharpened_;
   PlainNodes plain_;
   int mended_ = 0;
-  // Vertices that are not sharpened, by where they lie on the lattice: that stays the same when the surface is extracted anew.
-  std::unordered_set<std::uint64_t> staying_;
 };
 
 // The facets that bound the solid with their creases, for sharpening: `surface` is in lattice coordinates, sigma (in cells) the noise's standard deviation.

@@ -157,11 +157,13 @@ Shells find_shells(const TriangleSoup& welded) {
   return result;
 }
 
+bool is_misnested(const Shell& s) {
+  const bool body = s.volume > 0 && s.wrapped == 0, cavity = s.volume < 0 && s.wrapped == 1;
+  return !body && !cavity;
+}
+
 std::size_t count_misnested(const Shells& shells) {
-  return static_cast<std::size_t>(std::count_if(shells.shells.begin(), shells.shells.end(), [](const Shell& s) {
-    const bool body = s.volume > 0 && s.wrapped == 0, cavity = s.volume < 0 && s.wrapped == 1;
-    return !body && !cavity;
-  }));
+  return static_cast<std::size_t>(std::count_if(shells.shells.begin(), shells.shells.end(), is_misnested));
 }
 
 }  // namespace burnish

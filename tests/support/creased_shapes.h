@@ -116,8 +116,7 @@ struct Sharpened {
   Creases creases;
   TriangleSoup m;
   SharpenedSurface result;
-  std::size_t rounds = 0;  // until nothing intersected
-  std::size_t stay = 0;    // vertices, in the last one
+  std::size_t stuck = 0;  // vertices where settling did not help
 };
 
 // `stays`: as `sharpen` takes them.
@@ -131,28 +130,24 @@ inline Sharpened sharpened(const TriangleSoup& solid, double cell, const CreaseO
   return out;
 }
 
-// The same, again with the vertices that stay around facets that intersect, and one ring more each time, until none do.
+// The same, settled.
 inline Sharpened sharpened_and_settled(const TriangleSoup& solid, double cell, const CreaseOptions& which = {}) {
   Sharpened out = sharpened(solid, cell, which);
-  const ReferenceSurface reference(out.s, out.creases);
-  std::vector<std::uint8_t> stays(out.m.points.size(), 0);
-  for (; out.rounds < 8; ++out.rounds) {
-    const auto pairs = self_intersecting_pairs(out.result.soup);
-    if (pairs.empty()) break;
-    for (const auto& pair : pairs)
-      for (const std::uint32_t f : pair)
-        for (const std::uint32_t v : out.result.soup.facets[f])
-          for (const std::uint32_t parent : out.result.parents[v]) stays[parent] = 1;
-    for (std::size_t ring = 0; ring <= out.rounds; ++ring) {
-      const std::vector<std::uint8_t> inner = stays;
-      for (const Facet& f : out.m.facets)
-        if (inner[f[0]] || inner[f[1]] || inner[f[2]])
-          for (const std::uint32_t v : f) stays[v] = 1;
-    }
-    out.result = sharpen(out.m, reference, stays);
-  }
-  out.stay = static_cast<std::size_t>(std::count(stays.begin(), stays.end(), 1));
+  Sharpening sharpening(out.m, ReferenceSurface(out.s, out.creases));
+  out.stuck = sharpening.settle().size();
+  out.result = sharpening.surface();
   return out;
+}
+
+// Points that lie on M, though they could have been moved.
+inline std::size_t points_on_m(const Sharpened& x) {
+  std::size_t count = 0;
+  for (std::size_t v = 0; v < x.result.soup.points.size(); ++v) {
+    const auto& [a, b] = x.result.parents[v];
+    const Vec3 &p = x.result.soup.points[v], &u = x.m.points[a], &w = x.m.points[b];
+    if (norm(cross(p - u, w - u)) <= 1e-9 && norm(p - u) <= norm(w - u) + 1e-12) ++count;
+  }
+  return count;
 }
 
 }  // namespace burnish::test

@@ -13,7 +13,7 @@
 //
 // **Guarantees.** Closed, 2-manifold and oriented like M. A vertex that stays and the edges at it are M's, bit for bit. No facet is turned over
 // against the normals of S or M around it; that facets far from each other on M do not meet after moving is likely (vertices move by
-// less than a cell, to a surface without intersections) and not certain: inspect, set `stays` around the places, and call again.
+// less than a cell, to a surface without intersections) and not certain: Sharpening::settle takes back what does.
 //
 // **Limits.** Before an edge sharper than about 60 degrees the solid is thinner than a cell for a cell or more, and M itself is torn there: parts of the
 // edge are kept as M has them, and may intersect. Strips of S narrower than a cell, and corners closer than two, may lose a corner or their end.
@@ -27,6 +27,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "burnish/core/progress.h"
@@ -57,5 +58,35 @@ struct SharpenedSurface {
 // Throws Error{interrupted}.
 SharpenedSurface sharpen(const TriangleSoup& m, const ReferenceSurface& s, const std::vector<std::uint8_t>& stays = {},
                          const SharpenOptions& options = {}, Progress& progress = no_progress());
+
+namespace detail {
+struct SharpeningState;
+}
+
+// The same, and what it has moved can be taken back where the result meets itself. No closest point is looked up again for that: a round costs what
+// looking for intersections around the last changes costs.
+class Sharpening {
+ public:
+  Sharpening(const TriangleSoup& m, const ReferenceSurface& s, const std::vector<std::uint8_t>& stays = {}, const SharpenOptions& options = {},
+             Progress& progress = no_progress());
+  Sharpening(Sharpening&&) noexcept;
+  Sharpening& operator=(Sharpening&&) noexcept;
+  ~Sharpening();
+
+  SharpenedSurface surface() const;  // as it is now
+
+  // Takes back, place by place, what intersects, is turned inside out as a whole or lies in another shell as no solid's does, until nothing does:
+  // its points half the way to M, three quarters, the whole of it; then what was flipped and collapsed around them; then their neighbours. Returns the
+  // vertices of M where that did not help, empty as a rule: set `stays` there. Only points of creases, and those that have moved by more
+  // than a fifth of a cell, are suspected at first: inspect the result. At most 24 rounds. Throws Error{interrupted}.
+  std::vector<std::uint32_t> settle(Progress& progress = no_progress());
+
+  // All of that at once around these facets of surface(), without any around shells that are misnested; and settles around them. False if all there is
+  // as M has it.
+  bool take_back(const std::vector<std::uint32_t>& facets, Progress& progress = no_progress());
+
+ private:
+  std::unique_ptr<detail::SharpeningState> state_;
+};
 
 }  // namespace burnish

@@ -43,8 +43,11 @@ struct Shells {
 // microseconds per shell; with one shell nothing is wrapped and no ray is cast.
 Shells find_shells(const TriangleSoup& welded);
 
-// Shells of a closed, self-intersection-free surface whose orientation contradicts where they lie: not the first
-// two kinds above. CGAL's does_bound_a_volume is false exactly when there are any.
+// Whether a shell is neither of the first two kinds above.
+bool is_misnested(const Shell& shell);
+
+// Shells of a closed, self-intersection-free surface whose orientation contradicts where they lie: those that are
+// misnested. CGAL's does_bound_a_volume is false exactly when there are any.
 std::size_t count_misnested(const Shells& shells);
 
 }  // namespace burnish
