@@ -8,6 +8,8 @@
 #include <utility>
 
 #include "burnish/core/parallel.h"
+#include "burnish/surface/inspect.h"
+#include "burnish/surface/validate.h"
 #include "delaunay_mesher.h"
 #include "field_sampler.h"
 #include "protected_curves.h"
@@ -86,16 +88,16 @@ class Extraction {
   void judge(Mesh& mesh) const {
     mesh.flaw = mesh.made.failure;
     if (!mesh.flaw.empty()) return;
-    if (mesh.made.soup.facets.empty() || !is_closed_manifold(mesh.made.soup)) {
+    if (mesh.made.soup.facets.empty() || !inspect(mesh.made.soup, {.self_intersections = false}).defects.closed_manifold()) {
       mesh.flaw = "the Delaunay surface is no closed manifold";
       return;
     }
     // Where marching tetrahedra decide otherwise within a cell than the interpolant, the meshes differ for good.
-    const Topology made = topology_of(mesh.made.soup), wanted = surface_.topology;
-    if (made.components != wanted.components)
-      mesh.flaw = std::to_string(made.components) + " components instead of " + std::to_string(wanted.components);
-    else if (made.euler != wanted.euler)
-      mesh.flaw = "Euler characteristic " + std::to_string(made.euler) + " instead of " + std::to_string(wanted.euler);
+    const SurfaceTopology made = surface_topology(mesh.made.soup), wanted = surface_topology(surface_.soup);
+    if (made.components.size() != wanted.components.size())
+      mesh.flaw = std::to_string(made.components.size()) + " components instead of " + std::to_string(wanted.components.size());
+    else if (made.euler_characteristic != wanted.euler_characteristic)
+      mesh.flaw = "Euler characteristic " + std::to_string(made.euler_characteristic) + " instead of " + std::to_string(wanted.euler_characteristic);
   }
 
   MesherRequest request_of(double share) {

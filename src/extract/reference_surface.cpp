@@ -8,22 +8,13 @@
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/facet_normals.h"
 
 namespace burnish {
 namespace {
 
 constexpr double kTurnsItsBack = -0.3;  // cosine
 constexpr std::size_t kFloodLimit = 4096;
-
-std::vector<Vec3> unit_normals(const TriangleSoup& soup) {
-  std::vector<Vec3> normals(soup.facets.size());
-  parallel_for(normals.size(), [&](std::size_t f) {
-    const Vec3 n = facet_normal_2a(soup, f);
-    const double length = norm(n);
-    if (length > 0) normals[f] = n / length;
-  });
-  return normals;
-}
 
 ReferenceSurface::Foot foot_of(const TriangleIndex::Closest& c) {
   return c.facet == kNoFacet ? ReferenceSurface::Foot{} : ReferenceSurface::Foot{c.point, c.squared_distance, c.facet};
@@ -40,7 +31,7 @@ double squared_distance_to_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
 ReferenceSurface::ReferenceSurface(TriangleSoup surface, Creases creases)
     : soup_(std::move(surface)),
       creases_(std::move(creases)),
-      normals_(unit_normals(soup_)),
+      normals_(facet_normals(soup_).unit),
       index_(soup_),
       crease_edges_(folded(soup_, creases_)),
       crease_index_(crease_edges_) {

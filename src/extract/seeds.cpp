@@ -4,10 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "burnish/core/union_find.h"
 #include "burnish/extract/marching_tetrahedra.h"
-#include "burnish/surface/edge_table.h"
-#include "burnish/surface/inspect.h"
+#include "burnish/surface/shells.h"
 #include "point_grid.h"
 
 namespace burnish::detail {
@@ -64,7 +62,7 @@ class Spreader {
         spacing_(spacing),
         field_(field),
         taken_(*std::min_element(spacing.begin(), spacing.end())),
-        count_(surface.topology.components, 0) {
+        count_(surface.components, 0) {
     taken_.expect(*std::max_element(spacing.begin(), spacing.end()));
     for (const SeedFreeBall& ball : free_of) largest_ball_ = std::max(largest_ball_, ball.radius);
     balls_ = PointGrid(largest_ball_);
@@ -127,38 +125,13 @@ class Spreader {
 
 }  // namespace
 
-std::vector<std::uint32_t> components_of(const TriangleSoup& soup, std::size_t& count) {
-  UnionFind sets(soup.points.size());
-  for (const Facet& f : soup.facets) {
-    sets.unite(f[0], f[1]);
-    sets.unite(f[0], f[2]);
-  }
-  std::vector<std::uint32_t> component(soup.points.size());
-  count = 0;
-  for (std::uint32_t v = 0; v < component.size(); ++v)
-    component[v] = sets.is_representative(v) ? static_cast<std::uint32_t>(count++) : component[sets.find(v)];
-  return component;
-}
-
-Topology topology_of(const TriangleSoup& soup) {
-  Topology t;
-  components_of(soup, t.components);
-  t.euler = static_cast<std::int64_t>(soup.points.size()) - static_cast<std::int64_t>(soup.facets.size() / 2);
-  return t;
-}
-
-bool is_closed_manifold(const TriangleSoup& soup) {
-  const EdgeTable table(soup);
-  for (std::size_t e = 0; e < table.size(); ++e)
-    if (table.uses(e).size() != 2 || table.is_misoriented(e)) return false;
-  return non_manifold_points(soup).empty();
-}
-
 ZeroSurface zero_surface(const LevelSet& level_set, Progress& progress) {
   ZeroSurface surface;
   surface.soup = extract_surface(level_set, {.snap = false}, progress).soup;
-  surface.component = components_of(surface.soup, surface.topology.components);
-  surface.topology = topology_of(surface.soup);
+  UnionFind sets = connected_points(surface.soup);
+  surface.component.resize(surface.soup.points.size());
+  for (std::uint32_t v = 0; v < surface.component.size(); ++v)
+    surface.component[v] = sets.is_representative(v) ? static_cast<std::uint32_t>(surface.components++) : surface.component[sets.find(v)];
   for (std::size_t f = 0; f < surface.soup.facets.size(); ++f) {
     const double size = 0.5 * norm(facet_normal_2a(surface.soup, f));
     if (std::isfinite(size)) surface.area += size;

@@ -11,26 +11,11 @@
 
 namespace burnish::detail {
 
-// Of a soup all of whose points are used by facets.
-struct Topology {
-  std::size_t components = 0;
-  std::int64_t euler = 0;  // points - edges + facets, for closed surfaces
-
-  bool operator==(const Topology&) const = default;
-};
-
-// Numbers the components of the soup's points in the order of their first points.
-std::vector<std::uint32_t> components_of(const TriangleSoup& soup, std::size_t& count);
-Topology topology_of(const TriangleSoup& soup);
-
-// Whether every edge is used twice, in opposite directions, and there is one fan of facets around each point.
-bool is_closed_manifold(const TriangleSoup& soup);
-
 // The surface by marching tetrahedra: every zero crossing of the lattice is one of its points.
 struct ZeroSurface {
   TriangleSoup soup;
-  std::vector<std::uint32_t> component;  // of each point
-  Topology topology;
+  std::vector<std::uint32_t> component;  // of each point, numbered in the order of their first points
+  std::size_t components = 0;
   double area = 0;  // cells squared
 };
 ZeroSurface zero_surface(const LevelSet& level_set, Progress& progress);

@@ -53,7 +53,9 @@ void cut_transition_cell(const Octree& tree, const Field<T>& phi, const Field<st
     soup.points.insert(soup.points.end(), {p, q, r});
     soup.facets.push_back({first, first + 1, first + 2});
   };
-  TransitionCell<T>(tree, phi, leaf, cell).for_each_tetrahedron([&](ValuedTetrahedron v) {
+  TransitionCell<T> transition(tree, phi, leaf, cell);
+  if (!transition.is_cut()) return;
+  transition.for_each_tetrahedron([&](ValuedTetrahedron v) {
     const Vec3 o = to_vec(v[0].at);
     if (dot(to_vec(v[1].at) - o, cross(to_vec(v[2].at) - o, to_vec(v[3].at) - o)) < 0) std::swap(v[2], v[3]);
     std::array<Side, 4> side{};

@@ -2,15 +2,18 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
-#include <unordered_map>
+#include <bit>
+#include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
-#include "../octree/lattice_lookup.h"
+#include "burnish/core/large_array.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 #include "leaf_sides.h"
+#include "node_labels.h"
+#include "simplex_list.h"
 #include "transition_tetrahedra.h"
 
 namespace burnish {
@@ -60,74 +63,39 @@ std::array<std::int8_t, 256> euler_by_signs() {
   return table;
 }
 
-// Components of the equal-signed nodes of a leaf, joined by edges of Kuhn cells within it. Numbers start at 0.
-struct Labels {
-  std::array<std::uint16_t, kBlockNodes> of{};
-  std::uint32_t count = 0;
-};
+// What some leaves list: components that are joined, nodes that no leaf stores, and simplices.
+struct Listed {
+  // Nodes that no leaf stores are not numbered yet when they are listed: they stand for themselves.
+  static constexpr std::uint64_t kUnstored = std::uint64_t{1} << 63;
 
-template <class T>
-void label_nodes(const T* phi, std::uint32_t same, Labels& labels) {
-  std::array<std::uint16_t, kBlockNodes> parent{};
-  std::uint16_t used = 0;
-  const auto find = [&](std::uint16_t l) {
-    while (parent[l] != l) l = parent[l];
-    return l;
-  };
-  for (std::size_t n = 0; n < kBlockNodes; ++n) {
-    const Place p = place_of(n);
-    int own = -1;
-    for (int corner = 1; corner < 8; ++corner) {
-      const int dx = corner & 1, dy = corner >> 1 & 1, dz = corner >> 2 & 1;
-      if (p.i < dx || p.j < dy || p.k < dz) continue;
-      const std::size_t below = node_index(p.i - dx, p.j - dy, p.k - dz);
-      if ((phi[below] >= 0) != (phi[n] >= 0) || (kTouched.by_cell[below] & ~same)) continue;
-      const std::uint16_t other = labels.of[below];
-      if (own < 0) own = other;
-      if (own == other) continue;
-      const std::uint16_t a = find(static_cast<std::uint16_t>(own)), b = find(other);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-    if (own < 0) parent[used] = used, own = used++;
-    labels.of[n] = static_cast<std::uint16_t>(own);
-  }
-  std::array<std::uint16_t, kBlockNodes> number{};
-  for (std::uint16_t l = 0; l < used; ++l)
-    number[l] = parent[l] == l ? static_cast<std::uint16_t>(labels.count++) : number[find(l)];
-  for (std::uint16_t& l : labels.of) l = number[l];
-}
+  std::vector<std::uint64_t> joined;                         // pairs of components, the first in the upper half
+  std::vector<std::array<std::uint64_t, 2>> joined_unstored;  // pairs of which one is kUnstored | number of the node
+  std::vector<std::uint64_t> unstored;                       // 2 * number of the node + whether it is inside
+  SimplexList simplices;
 
-struct NodeHash {
-  std::size_t operator()(const LatticeNode& n) const {
-    const auto part = [](std::int32_t x) { return static_cast<std::uint64_t>(static_cast<std::uint32_t>(x)); };
-    return (part(n.x) * 0x9e3779b97f4a7c15u) ^ (part(n.y) * 0xc2b2ae3d27d4eb4fu) ^ (part(n.z) * 0x165667b19e3779f9u);
+  void join(std::uint32_t a, std::uint32_t b) {
+    const std::uint64_t pair = std::uint64_t{a} << 32 | b;
+    std::uint64_t& recent = recent_[(a * 31 + b) % recent_.size()];
+    if (a == b || recent == pair) return;
+    joined.push_back(recent = pair);
   }
-};
-struct SameNode {
-  bool operator()(const LatticeNode& a, const LatticeNode& b) const { return a.x == b.x && a.y == b.y && a.z == b.z; }
-};
+  void join_any(std::uint64_t a, std::uint64_t b) {
+    if ((a | b) & kUnstored) joined_unstored.push_back({a, b});
+    else join(static_cast<std::uint32_t>(a), static_cast<std::uint32_t>(b));
+  }
+  void drop_copies() {
+    SimplexList::drop_copies_of(unstored);
+    simplices.drop_copies();
+  }
+  void append(const Listed& other) {
+    joined.insert(joined.end(), other.joined.begin(), other.joined.end());
+    joined_unstored.insert(joined_unstored.end(), other.joined_unstored.begin(), other.joined_unstored.end());
+    unstored.insert(unstored.end(), other.unstored.begin(), other.unstored.end());
+    simplices.append(other.simplices);
+  }
 
-// The simplices at and beside transition cells one by one: several cells have the same ones.
-struct Explicit {
-  std::vector<std::uint64_t> edges;  // both numbers, the lower one first
-  std::vector<std::array<std::uint32_t, 3>> triangles;
-  std::int64_t tetrahedra = 0;
-
-  template <class Node>
-  void add(const Node& node, int size) {  // node(i): number of the simplex' corner i
-    if (size == 4) return void(++tetrahedra);
-    const auto [a, b] = std::minmax({node(0), node(1)});
-    if (size == 2) return edges.push_back(std::uint64_t{a} << 32 | b);
-    const std::uint32_t c = node(2);
-    triangles.push_back({std::min(a, c), std::clamp(c, a, b), std::max(b, c)});
-  }
-  std::int64_t euler() {
-    const auto distinct = [](auto& list) {
-      std::sort(list.begin(), list.end());
-      return std::unique(list.begin(), list.end()) - list.begin();
-    };
-    return distinct(edges) - distinct(triangles) + tetrahedra;
-  }
+ private:
+  std::array<std::uint64_t, 64> recent_{};  // the same pairs come again and again
 };
 
 template <class T>
@@ -140,8 +108,8 @@ class Topology {
     progress.check();
     const std::int64_t plain = count_plain_cells();
     progress.check();
-    list_special_cells();
-    return summary(plain + explicit_.euler());
+    const Listed listed = list_special_cells(progress);
+    return summary(plain + listed.simplices.euler(), listed);
   }
 
  private:
@@ -152,16 +120,21 @@ class Topology {
     for (std::uint32_t leaf = 0; leaf < leaves; ++leaf)
       if (sides_.of(leaf) == 3) slot_[leaf] = static_cast<std::uint32_t>(mixed.size()), mixed.push_back(leaf);
     labels_.resize(mixed.size());
-    parallel_for(mixed.size(), [&](std::size_t m) { label_nodes(phi_.block(mixed[m]), sides_.same(mixed[m]), labels_[m]); }, kLeafGrain);
+    parallel_for(mixed.size(), [&](std::size_t m) { Labeller(phi_.block(mixed[m]), plain_cells(mixed[m]), labels_[m]); }, kLeafGrain);
     first_.resize(leaves);
     for (std::size_t leaf = 0; leaf < leaves; ++leaf) {
       first_[leaf] = static_cast<std::uint32_t>(inside_.size());
       // A leaf on one side is connected: the cells that lie in it whole are.
       if (sides_.of(leaf) != 3) inside_.push_back(sides_.of(leaf) == 1);
       else inside_.resize(inside_.size() + labels_[slot_[leaf]].count);
-      if (sides_.of(leaf) != 3) continue;
-      for (std::size_t n = 0; n < kBlockNodes; ++n) inside_[id(leaf, n)] = phi_.block(leaf)[n] >= 0;
     }
+    parallel_for(mixed.size(), [&](std::size_t m) {
+      for (std::size_t r = 0; r < kBlockRows; ++r)
+        for (unsigned runs = labels_[m].starts[r]; runs != 0; runs &= runs - 1) {
+          const int i = std::countr_zero(runs);
+          inside_[id(mixed[m], r * kBlockSide + static_cast<std::size_t>(i))] = labels_[m].inside[r] >> i & 1;
+        }
+    }, kLeafGrain);
   }
 
   std::uint32_t id(std::size_t leaf, std::size_t node) const {
@@ -174,23 +147,64 @@ class Topology {
     return {tree_.neighbor(leaf, dir), node_index(p.i % kBlockSide, p.j % kBlockSide, p.k % kBlockSide)};
   }
 
+  RowBits plain_cells(std::size_t leaf) const {
+    if (sides_.same(leaf) == kAllSame) return all_rows();
+    RowBits rows;
+    for (std::size_t r = 0; r < kBlockRows; ++r) {
+      const std::size_t n = r * kBlockSide;  // cells between a row's ends touch the same leaves
+      const unsigned middle = sides_.is_plain_cell(leaf, n + 1) ? 0x7eu : 0u;
+      rows[r] = static_cast<std::uint8_t>(sides_.is_plain_cell(leaf, n) | middle | unsigned{sides_.is_plain_cell(leaf, n + 7)} << 7);
+    }
+    return rows;
+  }
+  // Nodes with Kuhn cells all around.
+  static RowBits plain_nodes(const RowBits& cells) {
+    RowBits rows;
+    for (std::size_t r = 0; r < kBlockRows; ++r) rows[r] = static_cast<std::uint8_t>(cells[r] & (cells[r] << 1 | 1));
+    for (const std::size_t stride : {std::size_t{1}, std::size_t{kBlockSide}})
+      for (std::size_t r = kBlockRows; r-- > stride;)
+        if (r / stride % kBlockSide != 0) rows[r] &= rows[r - stride];
+    return rows;
+  }
+  static RowBits all_rows() {
+    RowBits rows;
+    rows.fill(0xff);
+    return rows;
+  }
+  NodeRow row(std::size_t leaf, std::size_t r) const {
+    return sides_.of(leaf) == 3 ? labels_[slot_[leaf]].row(r) : NodeRow{sides_.of(leaf) == 1 ? 0xffu : 0u, 1};
+  }
+
   // Row j + 9 k: bit i is set for an inside node (i, j, k) of the leaf and its upper neighbours of the same level.
-  std::array<std::uint16_t, kNine * kNine> sign_rows(std::size_t leaf) const {
-    std::array<std::uint16_t, kNine * kNine> rows{};
+  using SignRows = std::array<std::uint16_t, kNine * kNine>;
+  SignRows sign_rows(std::size_t leaf) const {
+    SignRows rows{};
     for (int upper = 0; upper < 8; ++upper) {
       const int dx = upper & 1, dy = upper >> 1 & 1, dz = upper >> 2 & 1, dir = direction(dx, dy, dz);
       if (!(sides_.same(leaf) >> dir & 1)) continue;
-      const T* phi = phi_.block(tree_.neighbor(leaf, dir));
+      const std::size_t other = tree_.neighbor(leaf, dir);
       for (int k = 0; k < (dz ? 1 : kBlockSide); ++k)
-        for (int j = 0; j < (dy ? 1 : kBlockSide); ++j)
-          for (int i = 0; i < (dx ? 1 : kBlockSide); ++i)
-            rows[static_cast<std::size_t>(j + dy * kBlockSide + kNine * (k + dz * kBlockSide))] |=
-                static_cast<std::uint16_t>((phi[node_index(i, j, k)] >= 0) << (i + dx * kBlockSide));
+        for (int j = 0; j < (dy ? 1 : kBlockSide); ++j) {
+          const unsigned inside = row(other, row_index(j, k)).inside;
+          rows[static_cast<std::size_t>(j + dy * kBlockSide + kNine * (k + dz * kBlockSide))] |=
+              static_cast<std::uint16_t>(dx ? (inside & 1) << kBlockSide : inside);
+        }
     }
     return rows;
   }
 
-  static unsigned signs_of_cell(const std::array<std::uint16_t, kNine * kNine>& rows, Place p) {
+  // Bit i: the corners of cell (i, j, k) are on both sides.
+  static unsigned cut_cells(const SignRows& rows, int j, int k) {
+    unsigned in = ~0u, out = ~0u;
+    for (int c = 0; c < 4; ++c) {
+      const unsigned r = rows[static_cast<std::size_t>(j + (c & 1) + kNine * (k + (c >> 1)))];
+      in &= r & r >> 1;
+      out &= ~r & ~(r >> 1);
+    }
+    return ~(in | out) & 0xffu;
+  }
+
+  static unsigned signs_of_cell(const SignRows& rows, Place p) {
     const auto pair = [&](int dy, int dz) { return rows[static_cast<std::size_t>(p.j + dy + kNine * (p.k + dz))] >> p.i & 3u; };
     return pair(0, 0) | pair(1, 0) << 2 | pair(0, 1) << 4 | pair(1, 1) << 6;
   }
@@ -205,8 +219,11 @@ class Topology {
           for (std::size_t leaf = begin; leaf < end; ++leaf) {
             if (sides_.around(leaf, kUpper) != 3) continue;
             const auto rows = sign_rows(leaf);
-            for (std::size_t n = 0; n < kBlockNodes; ++n)
-              if (sides_.is_plain_node(leaf, n)) sum += table[signs_of_cell(rows, place_of(n))];
+            const RowBits plain = plain_nodes(plain_cells(leaf));
+            for (int k = 0; k < kBlockSide; ++k)
+              for (int j = 0; j < kBlockSide; ++j)
+                for (unsigned cells = cut_cells(rows, j, k) & plain[row_index(j, k)]; cells != 0; cells &= cells - 1)
+                  sum += table[signs_of_cell(rows, {std::countr_zero(cells), j, k})];
           }
           return sum;
         },
@@ -214,69 +231,64 @@ class Topology {
   }
 
   // Joins leaves, and nodes across their boundaries; lists the simplices of and beside transition cells.
-  void list_special_cells() {
-    for (std::size_t leaf = 0; leaf < tree_.size(); ++leaf) {
-      join_faces(leaf);
-      if (sides_.around(leaf, kUpper) != 3) continue;
-      for (int upper = 1; upper < 8; ++upper) join_upwards(leaf, upper);
-      if (sides_.same(leaf) != kAllSame) list_special_cells(leaf);
-    }
+  Listed list_special_cells(Progress& progress) const {
+    std::vector<Listed> parts((tree_.size() + kLeafGrain - 1) / kLeafGrain);
+    parallel_ranges(tree_.size(), kLeafGrain, [&](std::size_t begin, std::size_t end) {
+      progress.check();
+      Listed& listed = parts[begin / kLeafGrain];
+      for (std::size_t leaf = begin; leaf < end; ++leaf) list_leaf(static_cast<std::uint32_t>(leaf), listed);
+      listed.drop_copies();
+    });
+    Listed all;
+    for (const Listed& part : parts) all.append(part);
+    all.drop_copies();
+    return all;
   }
 
-  void list_special_cells(std::size_t leaf) {
-    const auto rows = sign_rows(leaf);
-    for (std::size_t n = 0; n < kBlockNodes; ++n) {
-      if (sides_.is_plain_node(leaf, n)) continue;
-      if (!sides_.is_plain_cell(leaf, n)) {
-        if (sides_.around(leaf, kTouched.by_cell[n] & kUpper) == 3 && !join_uniform_cell(leaf, n)) list_transition_cell(leaf, n);
-        continue;
-      }
-      const unsigned signs = signs_of_cell(rows, place_of(n));
-      if (signs != 0 && signs != 255) list_anchored(leaf, n, signs);
-    }
-  }
-
-  void join(std::uint32_t a, std::uint32_t b) {
-    const std::uint64_t pair = std::uint64_t{a} << 32 | b;
-    if (a != b && (joined_.empty() || joined_.back() != pair)) joined_.push_back(pair);
+  void list_leaf(std::uint32_t leaf, Listed& listed) const {
+    join_faces(leaf, listed);
+    if (sides_.around(leaf, kUpper) != 3) return;
+    const RowBits plain = plain_cells(leaf);
+    for (int upper = 1; upper < 8; ++upper) join_upwards(leaf, upper, plain, listed);
+    if (sides_.same(leaf) == kAllSame) return;
+    list_anchored(leaf, plain, listed.simplices);
+    list_transition_cells(leaf, plain, listed);
   }
 
   // Leaves on one side are joined across faces: the cells at a face's middle touch no third leaf.
-  void join_faces(std::size_t leaf) {
+  void join_faces(std::size_t leaf, Listed& listed) const {
     if (sides_.of(leaf) == 3) return;
     for (const int dir : {direction(1, 0, 0), direction(0, 1, 0), direction(0, 0, 1)})
       for (const std::uint32_t other : tree_.neighbors(leaf, dir))
-        if (sides_.of(other) == sides_.of(leaf)) join(first_[leaf], first_[other]);
+        if (sides_.of(other) == sides_.of(leaf)) listed.join(first_[leaf], first_[other]);
   }
 
   // Edges of Kuhn cells from this leaf to one of its level above it, by their upper nodes.
-  void join_upwards(std::size_t leaf, int upper) {
+  void join_upwards(std::size_t leaf, int upper, const RowBits& plain, Listed& listed) const {
     const int ex = upper & 1, ey = upper >> 1 & 1, ez = upper >> 2 & 1, dir = direction(ex, ey, ez);
     if (!(sides_.same(leaf) >> dir & 1)) return;
     const std::size_t other = tree_.neighbor(leaf, dir);
     const bool face = !(upper & (upper - 1));
     if (sides_.of(leaf) != 3 && (sides_.of(leaf) | sides_.of(other)) != 3 && face) return;  // by join_faces, or nothing to join
-    const std::uint16_t* labels = sides_.of(leaf) == 3 ? labels_[slot_[leaf]].of.data() : nullptr;
-    const std::uint16_t* others = sides_.of(other) == 3 ? labels_[slot_[other]].of.data() : nullptr;
     for (int k = 0; k < (ez ? 1 : kBlockSide); ++k)
       for (int j = 0; j < (ey ? 1 : kBlockSide); ++j)
-        for (int i = 0; i < (ex ? 1 : kBlockSide); ++i) {
-          const std::size_t to = node_index(i, j, k);
-          const std::uint32_t b = first_[other] + (others ? others[to] : 0u);
-          for (int corner = upper; corner < 8; ++corner) {
-            const Place from{i + ex * kBlockSide - (corner & 1), j + ey * kBlockSide - (corner >> 1 & 1),
-                             k + ez * kBlockSide - (corner >> 2)};
-            if ((corner & upper) != upper || from.i < 0 || from.j < 0 || from.k < 0) continue;
-            const std::size_t n = node_index(from.i, from.j, from.k);
-            const std::uint32_t a = first_[leaf] + (labels ? labels[n] : 0u);
-            if (inside_[a] == inside_[b] && sides_.is_plain_cell(leaf, n)) join(a, b);
+        for (int dz = ez; dz < 2; ++dz)
+          for (int dy = ey; dy < 2; ++dy) {
+            const int from_j = j + ey * kBlockSide - dy, from_k = k + ez * kBlockSide - dz;
+            if (from_j < 0 || from_k < 0) continue;
+            const std::size_t from = row_index(from_j, from_k), to = row_index(j, k);
+            const NodeRow below = row(leaf, from), here = row(other, to);
+            const auto join = [&](int i, int i_below) {
+              listed.join(id(leaf, from * kBlockSide + static_cast<std::size_t>(i_below)), id(other, to * kBlockSide + static_cast<std::size_t>(i)));
+            };
+            if (!ex) for_joined_runs(here, below, plain[from], join);
+            else if (plain[from] >> (kBlockSide - 1) & ~((below.inside >> (kBlockSide - 1)) ^ here.inside) & 1) join(0, kBlockSide - 1);
           }
-        }
   }
 
   // Joins the nodes of a transition cell if its corners in leaves of this level, and all leaves of other levels that it touches, are on one
   // side: then so are the nodes between them.
-  bool join_uniform_cell(std::size_t leaf, std::size_t n) {
+  bool join_uniform_cell(std::size_t leaf, std::size_t n, Listed& listed) const {
     const std::uint32_t foreign = kTouched.by_cell[n] & kUpper & ~sides_.same(leaf);
     const bool inside = inside_[id(leaf, n)];
     if (sides_.around(leaf, foreign, inside ? 1 : 2) == 3) return false;
@@ -289,76 +301,134 @@ class Topology {
       ids[count] = id(owner, node);
       if (inside_[ids[count++]] != inside) return false;
     }
-    for (std::size_t i = 1; i < count; ++i) join(ids[0], ids[i]);
+    for (std::size_t i = 1; i < count; ++i) listed.join(ids[0], ids[i]);
     for (int dir = 0; dir < kDirections; ++dir)
       if (foreign >> dir & 1)
-        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) join(ids[0], first_[other]);
+        for (const std::uint32_t other : tree_.neighbors(leaf, dir)) listed.join(ids[0], first_[other]);
     return true;
   }
 
-  // A number for a node of explicit simplices; nodes that no leaf stores become components of their own first.
-  std::uint32_t number(const LatticeNode& at, bool is_inside) {
-    const auto [entry, is_new] = numbers_.try_emplace(at, static_cast<std::uint32_t>(components_.size()));
-    if (is_new) {
-      const LocatedNode located = locate(tree_, 0, at);
-      if (!located.beyond && located.is_stored()) {
-        components_.push_back(id(located.leaf, located.place()));
-      } else {
-        components_.push_back(static_cast<std::uint32_t>(inside_.size()));
-        inside_.push_back(is_inside);
+  // Those of Kuhn cells at nodes beside transition cells.
+  void list_anchored(std::uint32_t leaf, const RowBits& plain, SimplexList& simplices) const {
+    const SignRows rows = sign_rows(leaf);
+    const RowBits counted = plain_nodes(plain);
+    const NodeNumbers numbers(tree_, leaf);
+    for (int k = 0; k < kBlockSide; ++k)
+      for (int j = 0; j < kBlockSide; ++j) {
+        const std::size_t r = row_index(j, k);
+        for (unsigned cells = cut_cells(rows, j, k) & plain[r] & ~counted[r] & 0xffu; cells != 0; cells &= cells - 1) {
+          const Place p{std::countr_zero(cells), j, k};
+          list_anchored(leaf, p, signs_of_cell(rows, p), numbers, simplices);
+        }
       }
-    }
-    return entry->second;
   }
 
-  void list_anchored(std::size_t leaf, std::size_t n, unsigned signs) {
-    const Place p = place_of(n);
-    std::array<std::uint32_t, 8> numbers;
+  // The simplices anchored at the lowest corner of a Kuhn cell.
+  void list_anchored(std::uint32_t leaf, Place p, unsigned signs, const NodeNumbers& number_of, SimplexList& simplices) const {
+    std::array<std::uint64_t, 8> numbers;
     for (int c = 0; c < 8; ++c) {
       const Place q = above(p, c);
-      numbers[static_cast<std::size_t>(c)] = number(lattice_node(tree_, leaf, q.i, q.j, q.k), signs >> c & 1);
+      numbers[static_cast<std::size_t>(c)] = number_of(lattice_node(tree_, leaf, q.i, q.j, q.k)).number;
     }
     for_each_anchored_simplex([&](const std::array<int, 4>& path, int size) {
       unsigned corners = 0;
       for (int c = 0; c < size; ++c) corners |= 1u << path[static_cast<std::size_t>(c)];
-      if (is_cut(signs, corners))
-        explicit_.add([&](int c) { return numbers[static_cast<std::size_t>(path[static_cast<std::size_t>(c)])]; }, size);
+      if (!is_cut(signs, corners)) return;
+      const auto number = [&](std::size_t c) { return numbers[static_cast<std::size_t>(path[c])]; };
+      if (size == 2) simplices.add_edge(number(0), number(1));
+      else if (size == 3) simplices.add_triangle(number(0), number(1), number(2));
+      else simplices.add_inner(1);
     });
   }
 
-  void list_transition_cell(std::size_t leaf, std::size_t n) {
-    const Place p = place_of(n);
-    TransitionCell<T> cell(tree_, phi_, leaf, lattice_node(tree_, leaf, p.i, p.j, p.k));
-    cell.for_each_tetrahedron([&](const ValuedTetrahedron& corners) { list_tetrahedron(corners); });
+  void list_transition_cells(std::uint32_t leaf, const RowBits& plain, Listed& listed) const {
+    const NodeNumbers numbers(tree_, leaf);
+    std::uint32_t last = 0;  // neighbouring cells touch the same leaves
+    bool mixed = false;
+    for (std::size_t r = 0; r < kBlockRows; ++r)
+      for (unsigned cells = ~plain[r] & 0xffu; cells != 0; cells &= cells - 1) {
+        const std::size_t n = r * kBlockSide + static_cast<std::size_t>(std::countr_zero(cells));
+        const std::uint32_t touched = kTouched.by_cell[n] & kUpper;
+        if (touched != last) last = touched, mixed = sides_.around(leaf, touched) == 3;
+        if (mixed && !join_uniform_cell(leaf, n, listed)) list_transition_cell(leaf, n, numbers, listed);
+      }
   }
 
-  void list_tetrahedron(const ValuedTetrahedron& corners) {
-    unsigned signs = 0;
-    std::array<std::uint32_t, 4> numbers;
-    for (std::size_t c = 0; c < 4; ++c) {
-      signs |= static_cast<unsigned>(corners[c].phi >= 0) << c;
-      numbers[c] = number(corners[c].at, corners[c].phi >= 0);
+  void list_transition_cell(std::uint32_t leaf, std::size_t n, const NodeNumbers& numbered, Listed& listed) const {
+    const Place p = place_of(n);
+    const LatticeNode low = lattice_node(tree_, leaf, p.i, p.j, p.k);
+    // In halves of the cell; cells of finest leaves have corners only.
+    const int level = tree_.level(leaf);
+    const auto slot_of = [&](const LatticeNode& at) {
+      return static_cast<std::size_t>(((at.x - low.x) * 2 >> level) + 3 * ((at.y - low.y) * 2 >> level) + 9 * ((at.z - low.z) * 2 >> level));
+    };
+    TransitionCell<T> cell(tree_, phi_, leaf, low);
+    if (!cell.is_cut()) return join_nodes(cell, numbered, listed);
+    CellSimplices simplices;
+    cell.for_each_tetrahedron([&](const ValuedTetrahedron& corners) {
+      std::array<std::size_t, 4> slots;
+      std::array<bool, 4> inside;
+      for (std::size_t c = 0; c < 4; ++c) slots[c] = slot_of(corners[c].at), inside[c] = corners[c].phi >= 0;
+      simplices.add_tetrahedron(slots, inside);
+    });
+    std::array<NumberedNode, kSlots> nodes;
+    for (std::uint32_t rest = simplices.used(); rest != 0; rest &= rest - 1) {
+      const int slot = std::countr_zero(rest);
+      const int half = 1 << level;
+      const LatticeNode at{low.x + slot % 3 * half / 2, low.y + slot / 3 % 3 * half / 2, low.z + slot / 9 * half / 2};
+      nodes[static_cast<std::size_t>(slot)] = numbered(at);
     }
-    for (std::size_t c = 1; c < 4; ++c)
-      for (std::size_t b = 0; b < c; ++b)
-        if ((signs >> b & 1) == (signs >> c & 1)) join(components_[numbers[b]], components_[numbers[c]]);
-    for (unsigned subset = 0; subset < 16; ++subset) {
-      if (!is_cut(signs, subset)) continue;
-      std::array<std::uint32_t, 4> chosen{};
-      int size = 0;
-      for (unsigned c = 0; c < 4; ++c)
-        if (subset >> c & 1) chosen[static_cast<std::size_t>(size++)] = numbers[c];
-      explicit_.add([&](int c) { return chosen[static_cast<std::size_t>(c)]; }, size);
+    simplices.list([&](std::size_t slot) { return nodes[slot].number; }, listed.simplices);
+    join_slots(simplices, nodes, listed);
+  }
+
+  // Of the node as far as it is known yet.
+  std::uint64_t component(const NumberedNode& node) const {
+    return node.is_stored() ? std::uint64_t{id(node.leaf, node.place)} : Listed::kUnstored | node.number;
+  }
+
+  // All nodes of a cell that is not cut.
+  void join_nodes(TransitionCell<T>& cell, const NodeNumbers& numbered, Listed& listed) const {
+    std::optional<std::uint64_t> first;
+    cell.for_each_node([&](const ValuedNode& n) {
+      const NumberedNode node = numbered(n.at);
+      if (!node.is_stored()) listed.unstored.push_back(2 * node.number + (n.phi >= 0));
+      if (first) listed.join_any(*first, component(node));
+      else first = component(node);
+    });
+  }
+
+  void join_slots(const CellSimplices& simplices, const std::array<NumberedNode, kSlots>& nodes, Listed& listed) const {
+    std::uint32_t rest = simplices.used();
+    while (rest != 0) {
+      const auto first = static_cast<std::size_t>(std::countr_zero(rest));
+      const std::uint32_t all = simplices.joined_to(first);
+      for (std::uint32_t others = all; others != 0; others &= others - 1) {
+        const auto slot = static_cast<std::size_t>(std::countr_zero(others));
+        if (!nodes[slot].is_stored()) listed.unstored.push_back(2 * nodes[slot].number + simplices.is_inside(slot));
+        if (slot != first) listed.join_any(component(nodes[first]), component(nodes[slot]));
+      }
+      rest &= ~all;
     }
   }
 
   // [T-TOPO-3]
-  LevelSetTopology summary(std::int64_t euler) const {
-    UnionFind sets(inside_.size());
-    for (const std::uint64_t pair : joined_) sets.unite(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
+  LevelSetTopology summary(std::int64_t euler, const Listed& listed) const {
+    const std::size_t stored = inside_.size(), count = stored + listed.unstored.size();
+    UnionFind sets(count);
+    for (const std::uint64_t pair : listed.joined) sets.unite(static_cast<std::uint32_t>(pair >> 32), static_cast<std::uint32_t>(pair));
+    const auto component = [&](std::uint64_t any) {
+      if (!(any & Listed::kUnstored)) return static_cast<std::uint32_t>(any);
+      const auto place = std::lower_bound(listed.unstored.begin(), listed.unstored.end(), 2 * (any & ~Listed::kUnstored));
+      return static_cast<std::uint32_t>(stored + static_cast<std::size_t>(place - listed.unstored.begin()));
+    };
+    for (const auto& [a, b] : listed.joined_unstored) sets.unite(component(a), component(b));
     LevelSetTopology result;
-    for (std::uint32_t c = 0; c < inside_.size(); ++c)
-      if (sets.is_representative(c)) ++(inside_[c] ? result.inside_components : result.outside_components);
+    for (std::uint32_t c = 0; c < count; ++c) {
+      if (!sets.is_representative(c)) continue;
+      const bool inside = c < stored ? inside_[c] != 0 : listed.unstored[c - stored] & 1;
+      ++(inside ? result.inside_components : result.outside_components);
+    }
     result.surface_components = result.inside_components + result.outside_components - 1;
     result.euler_characteristic = euler;
     result.genus = static_cast<std::int64_t>(result.surface_components) - euler / 2;
@@ -369,13 +439,9 @@ class Topology {
   const Field<T>& phi_;
   const LeafSides sides_;
   std::vector<std::uint32_t> slot_;    // leaf -> its labels
-  std::vector<Labels> labels_;         // of leaves with nodes on both sides
+  LargeArray<Labels> labels_;          // of leaves with nodes on both sides
   std::vector<std::uint32_t> first_;   // leaf -> its first component
   std::vector<std::uint8_t> inside_;   // of components, before they are joined
-  std::vector<std::uint64_t> joined_;   // pairs of them
-  std::unordered_map<LatticeNode, std::uint32_t, NodeHash, SameNode> numbers_;
-  std::vector<std::uint32_t> components_;  // of numbered nodes
-  Explicit explicit_;
 };
 
 }  // namespace

@@ -5,12 +5,14 @@
 // hanging nodes become the six Kuhn tetrahedra.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <limits>
 #include <vector>
 
+#include "../octree/lattice_lookup.h"
 #include "burnish/octree/field.h"
 
 namespace burnish::detail {
@@ -34,7 +36,29 @@ class TransitionCell {
       : tree_(tree), phi_(phi), leaf_(leaf), cell_(cell), size_(1 << tree.level(leaf)) {
     const LatticeNode first = lattice_node(tree, leaf, 0, 0, 0);
     local_ = {(cell.x - first.x) / size_, (cell.y - first.y) / size_, (cell.z - first.z) / size_};
-    for (std::size_t n = 0; n < known_.size(); ++n) known_[n] = std::numeric_limits<double>::quiet_NaN();
+    known_.fill(std::numeric_limits<double>::quiet_NaN());
+  }
+
+  // Whether nodes of the cell are on both sides. Fans add none that are alone on theirs: they have means.
+  bool is_cut() {
+    int inside = 0, nodes = 0;
+    for_each_node([&](const ValuedNode& n) { inside += n.phi >= 0, ++nodes; });
+    return inside != 0 && inside != nodes;
+  }
+
+  // Calls visit(node) for the cell's corners and hanging nodes.
+  template <class Visit>
+  void for_each_node(Visit&& visit) {
+    for (const int k : {0, 2})
+      for (const int j : {0, 2})
+        for (const int i : {0, 2}) visit(node(i, j, k));
+    if (!has_hanging_nodes()) return;
+    for (int axis = 0; axis < 3; ++axis)
+      for (const int u : {0, 2}) {
+        for (const int v : {0, 2})
+          if (edge_is_split(axis, u, v)) visit(node_at(axis, 1, u, v));
+        if (face_is_split(axis, u)) visit(node_at(axis, u, 1, 1));
+      }
   }
 
   // Calls visit(tetrahedron) for all tetrahedra of the cell, oriented either way.
@@ -82,6 +106,7 @@ class TransitionCell {
     return finer_beyond(first) || finer_beyond(second) || finer_beyond(both);
   }
   bool has_hanging_nodes() const {
+    if (size_ == 1) return false;  // nothing is finer
     for (int axis = 0; axis < 3; ++axis)
       for (const int u : {0, 2})
         for (const int v : {0, 2})
@@ -96,8 +121,22 @@ class TransitionCell {
   ValuedNode node(int i, int j, int k) {
     const LatticeNode at = lattice(i, j, k);
     double& value = known_[static_cast<std::size_t>(i + 3 * (j + 3 * k))];
-    if (std::isnan(value)) value = static_cast<double>(static_cast<T>(node_value(tree_, phi_, at)));
+    if (std::isnan(value)) value = value_of(i, j, k, at);
     return {at, value};
+  }
+  double value_of(int i, int j, int k, const LatticeNode& at) const {
+    const int x = local_[0] + i / 2, y = local_[1] + j / 2, z = local_[2] + k / 2;
+    const bool is_own = ((i | j | k) & 1) == 0 && std::max({x, y, z}) < kBlockSide;
+    if (is_own) return static_cast<double>(phi_.block(leaf_)[node_index(x, y, z)]);
+    return static_cast<double>(static_cast<T>(node_value_near(tree_, phi_, static_cast<std::uint32_t>(leaf_), at)));
+  }
+  // By its place along an axis and along the following two.
+  ValuedNode node_at(int axis, int along, int u, int v) {
+    std::array<int, 3> at{};
+    at[static_cast<std::size_t>(axis)] = along;
+    at[static_cast<std::size_t>((axis + 1) % 3)] = u;
+    at[static_cast<std::size_t>((axis + 2) % 3)] = v;
+    return node(at[0], at[1], at[2]);
   }
   // A node of the fan: the middle of the box between two nodes, with the mean of its corners' values.
   ValuedNode mean_of_corners(std::array<int, 3> low, std::array<int, 3> high) {
@@ -111,17 +150,7 @@ class TransitionCell {
 
   template <class Visit>
   void visit_face(int axis, int end, const ValuedNode& apex, Visit& visit) {
-    const auto on_face = [&](int u, int v) {
-      std::array<int, 3> at{};
-      at[static_cast<std::size_t>(axis)] = end;
-      at[static_cast<std::size_t>((axis + 1) % 3)] = u;
-      at[static_cast<std::size_t>((axis + 2) % 3)] = v;
-      return at;
-    };
-    const auto value = [&](int u, int v) {
-      const auto at = on_face(u, v);
-      return node(at[0], at[1], at[2]);
-    };
+    const auto value = [&](int u, int v) { return node_at(axis, end, u, v); };
     const auto quad = [&](int u, int v, int side) {
       const ValuedNode p = value(u, v), q = value(u + side, v + side);
       visit(ValuedTetrahedron{apex, p, value(u + side, v), q});
@@ -145,8 +174,10 @@ class TransitionCell {
     if (high_v) ring.push_back(value(1, 2));
     ring.push_back(value(0, 2));
     if (low_u) ring.push_back(value(0, 1));
-    const ValuedNode center = mean_of_corners(on_face(0, 0), on_face(2, 2));
-    for (std::size_t r = 0; r < ring.size(); ++r) 
+    std::array<int, 3> low{0, 0, 0}, high{2, 2, 2};
+    low[static_cast<std::size_t>(axis)] = high[static_cast<std::size_t>(axis)] = end;
+    const ValuedNode center = mean_of_corners(low, high);
+    for (std::size_t r = 0; r < ring.size(); ++r)
       visit(ValuedTetrahedron{apex, center, ring[r], ring[(r + 1) % ring.size()]});
   }
 

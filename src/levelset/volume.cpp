@@ -5,19 +5,17 @@
 #include <functional>
 
 #include "burnish/core/parallel.h"
+#include "transition_tetrahedra.h"
 
 namespace burnish {
 namespace {
 
 constexpr int kSide = kBlockSide + 2;
 
-// Corners x + 2 y + 4 z of the six Kuhn tetrahedra along the cell's diagonal. [T-VOL-1]
-constexpr std::array<std::array<int, 4>, 6> kKuhnPaths{
-    {{0, 1, 3, 7}, {0, 1, 5, 7}, {0, 2, 3, 7}, {0, 2, 6, 7}, {0, 4, 5, 7}, {0, 4, 6, 7}}};
-
+// [T-VOL-1]
 double cut_cell_volume(const std::array<double, 8>& phi) {
   double sum = 0;
-  for (const auto& t : kKuhnPaths)
+  for (const auto& t : detail::kKuhnPaths)
     sum += positive_fraction(phi[static_cast<std::size_t>(t[0])], phi[static_cast<std::size_t>(t[1])],
                              phi[static_cast<std::size_t>(t[2])], phi[static_cast<std::size_t>(t[3])]);
   return sum / 6;

@@ -61,11 +61,8 @@ StoredNode next_node(const Octree& tree, std::size_t leaf, std::size_t node, int
   return {other, static_cast<std::uint32_t>(node_index(local[0] >> level, local[1] >> level, local[2] >> level))};
 }
 
-namespace {
-
-// node_value with a leaf to start the search from.
 template <class T>
-double node_value_near(const Octree& tree, const Field<T>& field, std::uint32_t near, const LatticeNode& node) {
+double detail::node_value_near(const Octree& tree, const Field<T>& field, std::uint32_t near, const LatticeNode& node) {
   // Beyond the wall there is no node to interpolate to: the coarse node below continues.
   const LocatedNode located = locate(tree, near, node);
   const std::uint32_t leaf = located.leaf;
@@ -90,7 +87,8 @@ double node_value_near(const Octree& tree, const Field<T>& field, std::uint32_t 
   return t[2] == 0 ? along_y(0) : lerp(along_y(0), along_y(1), t[2]);
 }
 
-}  // namespace
+template double detail::node_value_near(const Octree&, const Field<float>&, std::uint32_t, const LatticeNode&);
+template double detail::node_value_near(const Octree&, const Field<double>&, std::uint32_t, const LatticeNode&);
 
 template <class T>
 double node_value(const Octree& tree, const Field<T>& field, LatticeNode node) {

@@ -59,4 +59,8 @@ inline LocatedNode locate(const Octree& tree, std::uint32_t near, const LatticeN
           inside.x != node.x || inside.y != node.y || inside.z != node.z};
 }
 
+// `node_value` with a leaf to start the search from.
+template <class T>
+double node_value_near(const Octree& tree, const Field<T>& field, std::uint32_t near, const LatticeNode& node);
+
 }  // namespace burnish::detail

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "burnish/core/parallel.h"
-#include "burnish/core/union_find.h"
+#include "burnish/surface/shells.h"
 #include "burnish/surface/triangle_index.h"
 
 namespace burnish {
@@ -233,11 +233,7 @@ double angle_in_degrees(const Vec3& a, const Vec3& b) {
 }
 
 MissingComponents missing_components(const TriangleSoup& welded, const TriangleIndex& other, double tolerance) {
-  UnionFind forest(welded.points.size());
-  for (const Facet& f : welded.facets) {
-    forest.unite(f[0], f[1]);
-    forest.unite(f[1], f[2]);
-  }
+  UnionFind forest = connected_points(welded);
   std::vector<double> area_of(welded.points.size(), 0.0);
   std::vector<std::uint32_t> size_of(welded.points.size(), 0);
   for (std::size_t f = 0; f < welded.facets.size(); ++f)

@@ -166,4 +166,13 @@ std::size_t count_misnested(const Shells& shells) {
   return static_cast<std::size_t>(std::count_if(shells.shells.begin(), shells.shells.end(), is_misnested));
 }
 
+UnionFind connected_points(const TriangleSoup& soup) {
+  UnionFind sets(soup.points.size());
+  for (const Facet& f : soup.facets) {
+    sets.unite(f[0], f[1]);
+    sets.unite(f[0], f[2]);
+  }
+  return sets;
+}
+
 }  // namespace burnish

@@ -25,6 +25,7 @@
 #include "burnish/surface/simplify.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
+#include "support/facet_angles.h"
 
 namespace {
 
@@ -59,14 +60,7 @@ Request parse(int argc, char** argv, double mean_edge) {
 // The least angle of each facet, ascending, in degrees.
 std::vector<double> least_angles(const TriangleSoup& soup) {
   std::vector<double> angles;
-  for (std::size_t f = 0; f < soup.facets.size(); ++f) {
-    double least = 180;
-    for (int i = 0; i < 3; ++i) {
-      const Vec3& at = soup.corner(f, i);
-      least = std::min(least, angle_in_degrees(soup.corner(f, (i + 1) % 3) - at, soup.corner(f, (i + 2) % 3) - at));
-    }
-    angles.push_back(least);
-  }
+  for (std::size_t f = 0; f < soup.facets.size(); ++f) angles.push_back(test::least_angle(soup, f));
   std::sort(angles.begin(), angles.end());
   return angles;
 }

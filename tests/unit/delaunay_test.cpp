@@ -16,21 +16,13 @@
 #include "field_sampler.h"
 #include "protected_curves.h"
 #include "support/analytic_level_set.h"
+#include "support/facet_angles.h"
 #include "support/shapes.h"
 
 namespace burnish {
 namespace {
 
 using namespace test;
-
-double least_angle(const TriangleSoup& soup, std::size_t f) {
-  double least = 180;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3 u = soup.corner(f, (i + 1) % 3) - soup.corner(f, i), v = soup.corner(f, (i + 2) % 3) - soup.corner(f, i);
-    least = std::min(least, std::acos(std::clamp(dot(u, v) / (norm(u) * norm(v)), -1.0, 1.0)) * 180 / std::numbers::pi);
-  }
-  return least;
-}
 
 bool touches_crease(const DelaunaySurface& s, std::size_t f) {
   return std::any_of(s.soup.facets[f].begin(), s.soup.facets[f].end(), [&](std::uint32_t v) { return s.on_crease[v] != 0; });

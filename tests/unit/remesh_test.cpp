@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <set>
 
 #include "burnish/core/error.h"
@@ -15,6 +14,7 @@
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
+#include "support/facet_angles.h"
 #include "support/parts.h"
 #include "support/shapes.h"
 
@@ -22,15 +22,6 @@ namespace burnish {
 namespace {
 
 using namespace test;
-
-double least_angle(const TriangleSoup& soup, std::size_t f) {
-  double least = 180;
-  for (int i = 0; i < 3; ++i) {
-    const Vec3& at = soup.corner(f, i);
-    least = std::min(least, angle_in_degrees(soup.corner(f, (i + 1) % 3) - at, soup.corner(f, (i + 2) % 3) - at));
-  }
-  return least;
-}
 
 double share_of_angles_below(const TriangleSoup& soup, double degrees) {
   std::size_t count = 0;

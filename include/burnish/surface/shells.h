@@ -17,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "burnish/core/union_find.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -49,5 +50,9 @@ bool is_misnested(const Shell& shell);
 // Shells of a closed, self-intersection-free surface whose orientation contradicts where they lie: those that are
 // misnested. CGAL's does_bound_a_volume is false exactly when there are any.
 std::size_t count_misnested(const Shells& shells);
+
+// The soup's points, joined by its facets: pieces that touch in a point alone are one set, where they are several shells. Points that no facet
+// uses are sets of their own.
+UnionFind connected_points(const TriangleSoup& soup);
 
 }  // namespace burnish

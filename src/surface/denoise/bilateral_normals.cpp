@@ -58,16 +58,6 @@ double tilt_of_noise(const TriangleSoup& soup, const FacetNormals& n, double sig
 
 }  // namespace
 
-FacetNormals facet_normals(const TriangleSoup& soup) {
-  FacetNormals n{std::vector<Vec3>(soup.facets.size()), std::vector<double>(soup.facets.size())};
-  parallel_for(soup.facets.size(), [&](std::size_t f) {
-    const Vec3 normal = facet_normal_2a(soup, f);
-    n.area[f] = norm(normal);
-    if (n.area[f] > 0) n.unit[f] = normal / n.area[f];
-  });
-  return n;
-}
-
 double altitude(const TriangleSoup& soup, const FacetNormals& n, std::uint32_t f) {
   double longest = 0;
   for (int i = 0; i < 3; ++i) longest = std::max(longest, norm(soup.corner(f, (i + 1) % 3) - soup.corner(f, i)));

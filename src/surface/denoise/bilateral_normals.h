@@ -1,19 +1,10 @@
 // Normals of facets, filtered over their sides so that creases stand out of the noise.
 #pragma once
 
-#include <vector>
-
 #include "burnish/surface/edge_table.h"
-#include "burnish/surface/triangle_soup.h"
+#include "burnish/surface/facet_normals.h"
 
 namespace burnish {
-
-struct FacetNormals {
-  std::vector<Vec3> unit;    // zero where a facet has no area
-  std::vector<double> area;  // twice the facets'
-};
-
-FacetNormals facet_normals(const TriangleSoup& soup);
 
 // A facet's height over its longest side.
 double altitude(const TriangleSoup& soup, const FacetNormals& normals, std::uint32_t facet);

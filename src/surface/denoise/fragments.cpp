@@ -1,7 +1,7 @@
 #include <vector>
 
-#include "burnish/core/union_find.h"
 #include "burnish/surface/outliers.h"
+#include "burnish/surface/shells.h"
 
 namespace burnish {
 namespace {
@@ -13,19 +13,10 @@ struct Piece {
   Box3 box;
 };
 
-UnionFind components_of(const TriangleSoup& soup) {
-  UnionFind sets(soup.points.size());
-  for (const Facet& f : soup.facets) {
-    sets.unite(f[0], f[1]);
-    sets.unite(f[0], f[2]);
-  }
-  return sets;
-}
-
 }  // namespace
 
 std::vector<std::uint32_t> find_fragments(const TriangleSoup& welded) {
-  UnionFind sets = components_of(welded);
+  UnionFind sets = connected_points(welded);
   std::vector<Piece> pieces(welded.points.size());
   for (std::size_t f = 0; f < welded.facets.size(); ++f) {
     Piece& piece = pieces[sets.find(welded.facets[f][0])];
