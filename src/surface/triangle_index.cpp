@@ -14,16 +14,11 @@ constexpr std::size_t kSubtrees = 16, kSubtreeFacets = 4096;  // that are built 
 // Slivers whose height over their longest side is below the root of this have no reliable plane; their edges serve.
 constexpr double kFlat = 1e-22;
 
-Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+inline Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 ab = b - a;
   const double length2 = squared_norm(ab);
   if (length2 == 0) return a;
   return a + ab * std::clamp(dot(p - a, ab) / length2, 0.0, 1.0);
-}
-
-double squared_distance_to_box(const Vec3& p, const Vec3& lower, const Vec3& upper) {
-  const Vec3 d = max(max(lower - p, p - upper), Vec3{});
-  return squared_norm(d);
 }
 
 // Where a ray enters a box; infinity if it misses it. Slabs; a direction of zero gives infinities of either sign, or nan,
@@ -216,13 +211,9 @@ TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squar
   Closest best;
   best.squared_distance = within_squared;
   if (nodes_.empty()) return best;
-  struct Entry {
-    std::uint32_t node;
-    double bound;
-  };
   std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step pushes one
   std::size_t top = 0;
-  stack[top++] = {0, squared_distance_to_box(p, nodes_[0].lower, nodes_[0].upper)};
+  stack[top++] = {0, bound(0, p)};
   while (top > 0) {
     const Entry entry = stack[--top];
     if (entry.bound > best.squared_distance) continue;
@@ -236,12 +227,7 @@ TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squar
       }
       continue;
     }
-    Entry near{entry.node + 1, 0}, far{node.first, 0};
-    near.bound = squared_distance_to_box(p, nodes_[near.node].lower, nodes_[near.node].upper);
-    far.bound = squared_distance_to_box(p, nodes_[far.node].lower, nodes_[far.node].upper);
-    if (far.bound < near.bound) std::swap(near, far);
-    stack[top++] = far;
-    stack[top++] = near;
+    for (const Entry& child : children(entry.node, p)) stack[top++] = child;
   }
   return best;
 }
@@ -254,7 +240,7 @@ void TriangleIndex::facets_near(const Vec3& p, double within_squared, std::vecto
   while (top > 0) {
     const std::uint32_t i = stack[--top];
     const Node& node = nodes_[i];
-    if (squared_distance_to_box(p, node.lower, node.upper) > within_squared) continue;
+    if (bound(i, p) > within_squared) continue;
     if (node.count == 0) {
       stack[top++] = node.first;
       stack[top++] = i + 1;
