@@ -94,6 +94,9 @@ class TriangleIndex {
     return right.bound < left.bound ? std::array{left, right} : std::array{right, left};
   }
 
+  // The closest point of one facet, and its squared distance; infinity if it is surely above `limit`.
+  double closest_in_slot(const Vec3& p, std::uint32_t slot, double limit, Vec3& q) const;
+
   static std::size_t nodes_in_subtree(std::size_t facets);
   std::array<Subtree, 2> split(const Subtree& tree, const LargeArray<Vec3>& centroids);
   void build(const Subtree& tree, const LargeArray<Vec3>& centroids);
@@ -128,8 +131,8 @@ TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_sq
     }
     for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
       if (!accept(facet_ids_[s])) continue;
-      const Vec3 q = closest_point_on_triangle(p, corners_[s][0], corners_[s][1], corners_[s][2]);
-      const double d2 = squared_norm(q - p);
+      Vec3 q;
+      const double d2 = closest_in_slot(p, s, best.squared_distance, q);
       if (!(d2 < best.squared_distance || (d2 == best.squared_distance && best_slot != 0xffffffffu && s < best_slot))) continue;
       best = {q, d2, facet_ids_[s]};
       best_slot = s;
