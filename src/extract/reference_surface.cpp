@@ -1,8 +1,7 @@
 #include "burnish/extract/reference_surface.h"
 
 #include <algorithm>
-#include <queue>
-#include <unordered_set>
+#include <cmath>
 #include <utility>
 
 #include "burnish/core/parallel.h"
@@ -15,12 +14,40 @@ namespace {
 
 constexpr double kTurnsItsBack = -0.3;  // cosine
 constexpr std::size_t kFloodLimit = 4096;
+constexpr double kHintMargin = 1 + 1e-6, kLeastLimit = 1e-12;  // of squared distances
+
+// Open addressing; half of it at most is full.
+class FacetSet {
+ public:
+  bool contains(std::uint32_t f) const { return slots_[slot_of(f)] == f; }
+  void insert(std::uint32_t f) {
+    std::uint32_t& slot = slots_[slot_of(f)];
+    if (slot == f) return;
+    slot = f;
+    if (++size_ * 2 > slots_.size()) grow();
+  }
+
+ private:
+  std::size_t slot_of(std::uint32_t f) const {
+    const std::size_t mask = slots_.size() - 1;
+    std::size_t i = (f * 0x9e3779b1u) >> 7 & mask;
+    while (slots_[i] != kNoFacet && slots_[i] != f) i = (i + 1) & mask;
+    return i;
+  }
+  void grow() {
+    std::vector<std::uint32_t> old(2 * slots_.size(), kNoFacet);
+    old.swap(slots_);
+    for (const std::uint32_t f : old)
+      if (f != kNoFacet) slots_[slot_of(f)] = f;
+  }
+
+  std::vector<std::uint32_t> slots_ = std::vector<std::uint32_t>(32, kNoFacet);
+  std::size_t size_ = 0;
+};
 
 ReferenceSurface::Foot foot_of(const TriangleIndex::Closest& c) {
   return c.facet == kNoFacet ? ReferenceSurface::Foot{} : ReferenceSurface::Foot{c.point, c.squared_distance, c.facet};
 }
-
-Vec3 centroid(const TriangleSoup& soup, std::uint32_t f) { return (soup.corner(f, 0) + soup.corner(f, 1) + soup.corner(f, 2)) / 3; }
 
 double squared_distance_to_edge(const Vec3& p, const Vec3& a, const Vec3& b) {
   return squared_norm(closest_point_on_triangle(p, a, b, b) - p);
@@ -55,6 +82,14 @@ void ReferenceSurface::link_facets() {
   sheet_.resize(soup_.facets.size());
   for (std::uint32_t f = 0; f < sheet_.size(); ++f) sheet_[f] = sheets.find(f);
   list_sheets_at_corners();
+  list_sheets_at_creases();
+}
+
+void ReferenceSurface::list_sheets_at_creases() {
+  for (const CreaseEdge& e : creases_.edges) sheets_at_crease_.push_back(sheets_of(e.facets[0], e.facets[1]));
+  meeting_sheets_ = sheets_at_crease_;
+  std::sort(meeting_sheets_.begin(), meeting_sheets_.end());
+  meeting_sheets_.erase(std::unique(meeting_sheets_.begin(), meeting_sheets_.end()), meeting_sheets_.end());
 }
 
 void ReferenceSurface::list_sheets_at_corners() {
@@ -75,20 +110,6 @@ bool ReferenceSurface::sheet_meets_corner(std::uint32_t facet, std::size_t corne
   return std::binary_search(sheets_at_corner_[corner].begin(), sheets_at_corner_[corner].end(), sheet_[facet]);
 }
 
-template <class Accept>
-ReferenceSurface::Foot ReferenceSurface::closest_accepted(const Vec3& p, double within, Accept&& accept) const {
-  std::vector<std::uint32_t> near;
-  index_.facets_near(p, within * within, near);
-  Foot best;
-  best.squared_distance = within * within;
-  for (const std::uint32_t f : near) {
-    if (!accept(f)) continue;
-    const Vec3 q = closest_point_on_triangle(p, soup_.corner(f, 0), soup_.corner(f, 1), soup_.corner(f, 2));
-    if (squared_norm(q - p) < best.squared_distance) best = {q, squared_norm(q - p), f};
-  }
-  return best;
-}
-
 ReferenceSurface::Foot ReferenceSurface::closest(const Vec3& p, double within, const Vec3& facing, std::uint32_t hint) const {
   double limit = within * within;
   Foot best;
@@ -99,62 +120,63 @@ ReferenceSurface::Foot ReferenceSurface::closest(const Vec3& p, double within, c
   const Foot found = foot_of(index_.closest(p, limit));
   if (found.found() && !(found.squared_distance >= best.squared_distance)) best = found;
   if (!best.found() || dot(normals_[best.facet], facing) >= kTurnsItsBack) return best;
-  return closest_accepted(p, within, [&](std::uint32_t f) { return dot(normals_[f], facing) >= kTurnsItsBack; });
+  return foot_of(index_.closest_of(p, within * within, [&](std::uint32_t f) { return dot(normals_[f], facing) >= kTurnsItsBack; }));
 }
 
 ReferenceSurface::Foot ReferenceSurface::closest_on_sheet(const Vec3& p, double within, const Vec3& facing, std::uint32_t f) const {
-  return closest_accepted(p, within, [&](std::uint32_t g) { return sheet(g) == sheet(f) && dot(normals_[g], facing) >= kTurnsItsBack; });
+  const auto faces_it = [&](std::uint32_t g) { return sheet(g) == sheet(f) && dot(normals_[g], facing) >= kTurnsItsBack; };
+  return foot_of(index_.closest_of(p, within * within, faces_it));
 }
 
-ReferenceSurface::Foot ReferenceSurface::closest_on_creases(const Vec3& p, double within) const {
-  return foot_of(crease_index_.closest(p, within * within));
+double ReferenceSurface::squared_distance_to_crease(const Vec3& p, std::uint32_t edge) const {
+  return squared_distance_to_edge(p, crease_edges_.corner(edge, 0), crease_edges_.corner(edge, 1));
 }
 
-// 2: the crease lies between both sheets; 1: it bounds the first of them; 0: neither.
-int ReferenceSurface::fit_of_crease(std::uint32_t edge, std::uint32_t f, std::uint32_t g) const {
-  const auto [m, n] = std::minmax(sheet_[f], sheet_[g]);
-  const auto [a, b] = std::minmax(sheet_[creases_.edges[edge].facets[0]], sheet_[creases_.edges[edge].facets[1]]);
-  if (a == m && b == n) return 2;
-  return a == m || b == m ? 1 : 0;
+// A hint bounds the distance, with a margin that is far above rounding, so that it changes nothing but the time.
+ReferenceSurface::Foot ReferenceSurface::closest_on_creases(const Vec3& p, double within, std::uint32_t hint) const {
+  double limit = within * within;
+  if (hint != kNoFacet) limit = std::min(limit, squared_distance_to_crease(p, hint) * kHintMargin + kLeastLimit);
+  return foot_of(crease_index_.closest(p, limit));
 }
 
-ReferenceSurface::Foot ReferenceSurface::closest_between(const Vec3& p, double within, std::uint32_t f, std::uint32_t g) const {
-  const Foot nearest = closest_on_creases(p, within);
-  if (!nearest.found() || fit_of_crease(nearest.facet, f, g) == 2) return nearest;
-  std::vector<std::uint32_t> near;
-  crease_index_.facets_near(p, within * within, near);
-  Foot best;
-  int fit = -1;
-  for (const std::uint32_t e : near) {
-    const int fit_here = fit_of_crease(e, f, g);
-    if (fit_here < fit) continue;
-    const Vec3 q = closest_point_on_triangle(p, crease_edges_.corner(e, 0), crease_edges_.corner(e, 1), crease_edges_.corner(e, 2));
-    const double d = squared_norm(q - p);
-    if (d > within * within || (fit_here == fit && d >= best.squared_distance)) continue;
-    best = {q, d, e};
-    fit = fit_here;
+bool ReferenceSurface::is_near_creases(const Vec3& p, double within, std::uint32_t& hint) const {
+  if (hint != kNoFacet && squared_distance_to_crease(p, hint) <= within * within) return true;
+  const Foot foot = closest_on_creases(p, within);
+  if (foot.found()) hint = foot.facet;
+  return foot.found();
+}
+
+ReferenceSurface::Foot ReferenceSurface::closest_between(const Vec3& p, double within, std::uint32_t f, std::uint32_t g, std::uint32_t hint) const {
+  const Foot nearest = closest_on_creases(p, within, hint);
+  const Edge sheets = sheets_of(f, g);
+  if (!nearest.found() || sheets_at_crease_[nearest.facet] == sheets) return nearest;
+  // Of equally distant edges, the first in the index's order; those at the distance itself count.
+  const double limit = std::nextafter(within * within, std::numeric_limits<double>::infinity());
+  if (std::binary_search(meeting_sheets_.begin(), meeting_sheets_.end(), sheets)) {
+    const Foot between = foot_of(crease_index_.closest_of(p, limit, [&](std::uint32_t e) { return sheets_at_crease_[e] == sheets; }));
+    if (between.found()) return between;
   }
-  return best;
+  const auto bounds_first = [&](std::uint32_t e) { return sheets_at_crease_[e][0] == sheets[0] || sheets_at_crease_[e][1] == sheets[0]; };
+  const Foot bounding = foot_of(crease_index_.closest_of(p, limit, bounds_first));
+  return bounding.found() ? bounding : foot_of(crease_index_.closest_of(p, limit, [](std::uint32_t) { return true; }));
 }
 
+// What is reached does not depend on the order, only when.
 bool ReferenceSurface::connected(std::uint32_t f, std::uint32_t g, const Vec3& centre, double radius) const {
   if (f == g || sheet_.empty()) return true;
   if (sheet_[f] != sheet_[g]) return false;
-  const Vec3 goal = centroid(soup_, g);
-  using Entry = std::pair<double, std::uint32_t>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<>> front;
-  std::unordered_set<std::uint32_t> seen{f};
-  front.push({0, f});
-  while (!front.empty()) {
-    const std::uint32_t here = front.top().second;
-    front.pop();
+  FacetSet seen;
+  seen.insert(f);
+  std::vector<std::uint32_t> front{f};
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    const std::uint32_t here = front[i];
     for (int side = 0; side < 3; ++side) {
       const std::uint32_t next = across_[here][static_cast<std::size_t>(side)];
       if (next == kNoFacet || seen.contains(next)) continue;
       if (squared_distance_to_edge(centre, soup_.corner(here, side), soup_.corner(here, (side + 1) % 3)) > radius * radius) continue;
-      if (next == g || seen.size() >= kFloodLimit) return true;
+      if (next == g || front.size() >= kFloodLimit) return true;
       seen.insert(next);
-      front.push({squared_norm(centroid(soup_, next) - goal), next});
+      front.push_back(next);
     }
   }
   return false;

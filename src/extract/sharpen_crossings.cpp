@@ -2,10 +2,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
+#include <span>
 #include <tuple>
 #include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "burnish/surface/triangle_index.h"
 #include "sharpen_mesh.h"
@@ -21,6 +22,7 @@ constexpr double kLeastSine = 0.25;       // of a facet between three crease ver
 constexpr double kFartherSheet = 0.05;    // cells that a vertex may go farther for each neighbour that it joins on another sheet
 constexpr int kSweeps = 4;
 constexpr int kProjections = 3;
+constexpr std::size_t kEdgesAtATime = 256, kCornersAtATime = 64, kWishesAtATime = 4096;
 
 double distance(const Vec3& a, const Vec3& b) { return norm(a - b); }
 
@@ -51,8 +53,10 @@ class Embedding {
  private:
   void find_near_vertices() {
     std::vector<std::uint8_t> near(mesh_.start.size(), 0);
-    parallel_for(near.size(), [&](std::size_t v) {
-      near[v] = mesh_.sheet[v] != kNoFacet && s_.closest_on_creases(mesh_.target[v], options_.crease_reach).found();
+    parallel_ranges(near.size(), kDefaultGrain, [&](std::size_t begin, std::size_t end) {
+      std::uint32_t hint = kNoFacet;
+      for (std::size_t v = begin; v < end; ++v)
+        near[v] = mesh_.sheet[v] != kNoFacet && s_.is_near_creases(mesh_.target[v], options_.crease_reach, hint);
     });
     is_near_ = std::move(near);
     for (std::uint32_t v = 0; v < is_near_.size(); ++v)
@@ -87,8 +91,14 @@ class Embedding {
     }
   }
 
+  struct OtherSheet {
+    std::uint32_t sheet, facet;  // of a neighbour
+    int neighbours;              // on it
+  };
+
   bool join_neighbours(std::uint32_t v) {
-    std::map<std::uint32_t, std::pair<int, std::uint32_t>> others;  // sheet -> neighbours on it, the facet that one of them is at
+    std::vector<OtherSheet>& others = others_;
+    others.clear();
     int own = 0;
     Vec3 normal;
     for (const std::uint32_t f : around_[v]) {
@@ -100,18 +110,23 @@ class Embedding {
         ++own;
         continue;
       }
-      auto& [count, facet] = others.try_emplace(sheet_of(w), 0, mesh_.sheet[w]).first->second;
-      ++count;
+      const auto other = std::find_if(others.begin(), others.end(), [&](const OtherSheet& o) { return o.sheet == sheet_of(w); });
+      if (other == others.end()) {
+        others.push_back({sheet_of(w), mesh_.sheet[w], 1});
+      } else {
+        ++other->neighbours;
+      }
     }
     const double length = norm(normal);
     if (length == 0) return false;
+    std::sort(others.begin(), others.end(), [](const OtherSheet& a, const OtherSheet& b) { return a.sheet < b.sheet; });
     bool changed = false;
     const double here = distance(mesh_.start[v], mesh_.target[v]);
     double best = 0;
-    for (const auto& [sheet, seen] : others) {
-      const double allowed = kFartherSheet * (seen.first - own);
+    for (const OtherSheet& other : others) {
+      const double allowed = kFartherSheet * (other.neighbours - own);
       if (allowed <= best) continue;
-      const ReferenceSurface::Foot foot = s_.closest_on_sheet(mesh_.start[v], here + allowed, normal / length, seen.second);
+      const ReferenceSurface::Foot foot = s_.closest_on_sheet(mesh_.start[v], here + allowed, normal / length, other.facet);
       if (!foot.found()) continue;
       best = allowed;
       mesh_.target[v] = foot.point;
@@ -122,7 +137,7 @@ class Embedding {
   }
 
   // The crease between the sheets of u and v, where it is nearest to the segment between their targets. [T-SHARP-2]
-  bool crosses(std::uint32_t u, std::uint32_t v, Crossing& crossing) const {
+  bool crosses(std::uint32_t u, std::uint32_t v, Crossing& crossing, std::uint32_t& hint) const {
     const std::uint32_t f = mesh_.sheet[u], g = mesh_.sheet[v];
     if (f == g) return false;
     const Vec3 &a = mesh_.target[u], &b = mesh_.target[v];
@@ -130,9 +145,12 @@ class Embedding {
     if (s_.connected(f, g, p, 0.6 * distance(a, b) + 0.1)) return false;
     ReferenceSurface::Foot foot;
     for (int round = 0; round < kProjections; ++round) {
-      foot = s_.closest_between(p, options_.crease_reach, f, g);
+      foot = s_.closest_between(p, options_.crease_reach, f, g, hint);
       if (!foot.found()) return false;
-      p = a + (b - a) * along_segment(foot.point, a, b);
+      hint = foot.facet;
+      const Vec3 next = a + (b - a) * along_segment(foot.point, a, b);
+      if (next == p) break;
+      p = next;
     }
     if (!s_.parts(foot.facet, f, g) && distance(foot.point, p) > kStrayDistance) return false;
     crossing = {{u, v}, foot.point};
@@ -149,27 +167,39 @@ class Embedding {
       }
     parallel_sort(edges);
     std::vector<Crossing> found(edges.size());
-    parallel_for(edges.size(), [&](std::size_t e) { crosses(edges[e][0], edges[e][1], found[e]); }, 64);
+    parallel_ranges(edges.size(), kEdgesAtATime, [&](std::size_t begin, std::size_t end) {
+      std::uint32_t hint = kNoFacet;
+      for (std::size_t e = begin; e < end; ++e) crosses(edges[e][0], edges[e][1], found[e], hint);
+    });
     std::erase_if(found, [](const Crossing& c) { return c.points[0] == c.points[1]; });
     crossings_ = std::move(found);
+    list_crossings_at_vertices();
+  }
+
+  void list_crossings_at_vertices() {
+    first_crossing_.assign(mesh_.start.size() + 1, 0);
+    for (const Crossing& c : crossings_)
+      for (const std::uint32_t v : c.points) ++first_crossing_[v];
+    crossings_at_.resize(exclusive_scan_in_place(first_crossing_));
+    std::vector<std::uint32_t> next(first_crossing_.begin(), first_crossing_.end() - 1);
     for (std::uint32_t c = 0; c < crossings_.size(); ++c)
-      for (const std::uint32_t v : crossings_[c].points) at_vertex_[v].push_back(c);
+      for (const std::uint32_t v : crossings_[c].points) crossings_at_[next[v]++] = c;
+  }
+  std::span<const std::uint32_t> crossings_at(std::uint32_t v) const {
+    return {crossings_at_.data() + first_crossing_[v], first_crossing_[v + 1] - first_crossing_[v]};
   }
 
   bool is_settled(const Crossing& c) const { return mesh_.on_crease(c.points[0]) || mesh_.on_crease(c.points[1]); }
-  const Crossing* crossing_of(std::uint32_t u, std::uint32_t v) const {
-    const auto at = at_vertex_.find(u);
-    if (at == at_vertex_.end()) return nullptr;
-    for (const std::uint32_t c : at->second)
-      if (crossings_[c].points[0] == v || crossings_[c].points[1] == v) return &crossings_[c];
-    return nullptr;
+  bool is_crossed(std::uint32_t u, std::uint32_t v) const {
+    const auto at = crossings_at(u);
+    return std::any_of(at.begin(), at.end(), [&](std::uint32_t c) { return crossings_[c].points[0] == v || crossings_[c].points[1] == v; });
   }
   bool is_junction(std::uint32_t f) const {
     const Facet& c = mesh_.facets[f];
-    return crossing_of(c[0], c[1]) && crossing_of(c[1], c[2]) && crossing_of(c[2], c[0]);
+    return is_crossed(c[0], c[1]) && is_crossed(c[1], c[2]) && is_crossed(c[2], c[0]);
   }
   std::size_t junctions_at(std::uint32_t v) const {
-    if (!at_vertex_.contains(v)) return 0;
+    if (crossings_at(v).empty()) return 0;
     const auto facets = around_[v];
     return static_cast<std::size_t>(std::count_if(facets.begin(), facets.end(), [&](std::uint32_t f) { return is_junction(f); }));
   }
@@ -184,21 +214,25 @@ class Embedding {
     const TriangleIndex index(points);
     const std::vector<std::uint32_t>& corners = s_.creases().corners;
     using Pair = std::tuple<double, std::uint32_t, std::uint32_t>;  // cost, corner, vertex
-    std::vector<Pair> pairs;
-    std::vector<std::uint32_t> near;
-    for (std::uint32_t i = 0; i < corners.size(); ++i) {
-      const Vec3& corner = s_.soup().points[corners[i]];
-      near.clear();
-      index.facets_near(corner, options_.crease_reach * options_.crease_reach, near);
-      for (const std::uint32_t n : near) {
-        const std::uint32_t v = near_[n];
-        const double away = distance(mesh_.start[v], corner);
-        if (away > options_.crease_reach || !s_.sheet_meets_corner(mesh_.sheet[v], i)) continue;
-        const std::size_t sheets = s_.sheets_at_corner(i), missed = sheets > 2 ? sheets - 2 - std::min(sheets - 2, junctions_at(v)) : 0;
-        pairs.push_back({away + kOffJunction * static_cast<double>(missed), i, v});
+    std::vector<std::vector<Pair>> pairs_of(corners.size());
+    parallel_ranges(corners.size(), kCornersAtATime, [&](std::size_t begin, std::size_t end) {
+      std::vector<std::uint32_t> near;
+      for (std::size_t i = begin; i < end; ++i) {
+        const Vec3& corner = s_.soup().points[corners[i]];
+        near.clear();
+        index.facets_near(corner, options_.crease_reach * options_.crease_reach, near);
+        for (const std::uint32_t n : near) {
+          const std::uint32_t v = near_[n];
+          const double away = distance(mesh_.start[v], corner);
+          if (away > options_.crease_reach || !s_.sheet_meets_corner(mesh_.sheet[v], i)) continue;
+          const std::size_t sheets = s_.sheets_at_corner(i), missed = sheets > 2 ? sheets - 2 - std::min(sheets - 2, junctions_at(v)) : 0;
+          pairs_of[i].push_back({away + kOffJunction * static_cast<double>(missed), static_cast<std::uint32_t>(i), v});
+        }
       }
-    }
-    std::sort(pairs.begin(), pairs.end());
+    });
+    std::vector<Pair> pairs;
+    for (const auto& some : pairs_of) pairs.insert(pairs.end(), some.begin(), some.end());
+    parallel_sort(pairs);
     std::vector<char> placed(corners.size(), 0);
     for (const auto& [cost, corner, v] : pairs) {
       if (placed[corner] || mesh_.on_crease(v)) continue;
@@ -209,7 +243,7 @@ class Embedding {
   }
 
   bool is_encircled(std::uint32_t v) const {
-    return at_vertex_.at(v).size() == around_[v].size();
+    return crossings_at(v).size() == around_[v].size();
   }
 
   // What v's neighbours lie on must reach the crease: smooth ones are on one of its two sheets, others on a crease that shares one.
@@ -245,13 +279,14 @@ class Embedding {
     return true;
   }
 
+  struct Wish {
+    double key;
+    std::uint32_t vertex, crossing;
+    bool operator<(const Wish& o) const { return std::tie(key, vertex, crossing) < std::tie(o.key, o.vertex, o.crossing); }
+  };
+
   // The vertices nearest to their crossings first; those with nothing but crossings around them before all others. [T-SHARP-3]
   void snap_vertices() {
-    struct Wish {
-      double key;
-      std::uint32_t vertex, crossing;
-      bool operator<(const Wish& o) const { return std::tie(key, vertex, crossing) < std::tie(o.key, o.vertex, o.crossing); }
-    };
     std::vector<Wish> wishes;
     for (std::uint32_t c = 0; c < crossings_.size(); ++c) {
       const auto& [points, at] = crossings_[c];
@@ -262,18 +297,25 @@ class Embedding {
         if (encircled || ratio < kSnapRatio || own < kSnapDistance) wishes.push_back({encircled ? -1 : std::min(ratio, own), points[i], c});
       }
     }
-    std::sort(wishes.begin(), wishes.end());
-    for (const Wish& w : wishes) {
-      const Crossing& c = crossings_[w.crossing];
-      if (is_settled(c)) continue;
-      const ReferenceSurface::Foot foot =
-          s_.closest_between(mesh_.target[w.vertex], options_.crease_reach, mesh_.sheet[c.points[0]], mesh_.sheet[c.points[1]]);
-      if (!foot.found() || !fits_around(w.vertex, foot.facet) || !may_snap(w.vertex, foot.point))
-        continue;
-      mesh_.kind[w.vertex] = SharpenedKind::crease;
-      mesh_.target[w.vertex] = foot.point;
-      crease_of_[w.vertex] = foot.facet;
+    parallel_sort(wishes);
+    // Where a vertex would go is looked up for many at once. It has not moved by its turn, or its crossing is settled.
+    std::vector<ReferenceSurface::Foot> feet(kWishesAtATime);
+    for (std::size_t begin = 0; begin < wishes.size(); begin += kWishesAtATime) {
+      const std::size_t n = std::min(kWishesAtATime, wishes.size() - begin);
+      parallel_for(n, [&](std::size_t i) { feet[i] = foot_of(wishes[begin + i]); }, 64);
+      for (std::size_t i = 0; i < n; ++i) grant(wishes[begin + i], feet[i]);
     }
+  }
+  ReferenceSurface::Foot foot_of(const Wish& w) const {
+    const Crossing& c = crossings_[w.crossing];
+    if (is_settled(c)) return {};
+    return s_.closest_between(mesh_.target[w.vertex], options_.crease_reach, mesh_.sheet[c.points[0]], mesh_.sheet[c.points[1]]);
+  }
+  void grant(const Wish& w, const ReferenceSurface::Foot& foot) {
+    if (!foot.found() || is_settled(crossings_[w.crossing]) || !fits_around(w.vertex, foot.facet) || !may_snap(w.vertex, foot.point)) return;
+    mesh_.kind[w.vertex] = SharpenedKind::crease;
+    mesh_.target[w.vertex] = foot.point;
+    crease_of_[w.vertex] = foot.facet;
   }
 
   SharpenMesh& mesh_;
@@ -284,8 +326,9 @@ class Embedding {
   std::vector<std::uint32_t> near_;          // vertices
   std::vector<std::uint32_t> near_facets_;
   std::vector<Crossing> crossings_;
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_vertex_;  // crossings
-  std::unordered_map<std::uint32_t, std::uint32_t> crease_of_;               // of crease vertices: edge
+  std::vector<std::uint32_t> first_crossing_, crossings_at_;  // per vertex: those at it
+  std::vector<OtherSheet> others_;
+  std::unordered_map<std::uint32_t, std::uint32_t> crease_of_;  // of crease vertices: edge
 };
 
 }  // namespace

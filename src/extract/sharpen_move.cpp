@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 #include <utility>
 
 #include "sharpen_mesh.h"
@@ -19,17 +20,17 @@ class Mover {
       : mesh_(mesh), s_(s), points_(points), back_(mesh.start.size(), 0), facing_(mesh.facets.size()) {}
 
   bool run(Progress& progress) {
-    parallel_for(facing_.size(), [&](std::size_t f) { facing_[f] = facing(mesh_.facets[f]); });
+    parallel_for(facing_.size(), [&](std::size_t f) { facing_[f] = facing(mesh_.facets[f]); }, 256);
     std::vector<std::uint32_t> suspects(mesh_.facets.size());
-    for (std::uint32_t f = 0; f < suspects.size(); ++f) suspects[f] = f;
-    bool complete = true;
-    while (true) {
+    std::iota(suspects.begin(), suspects.end(), 0u);
+    std::vector<std::uint32_t> vertices = taken_back(suspects);
+    if (vertices.empty()) return true;
+    const FacetsAround around(mesh_.facets, mesh_.start.size());
+    while (!vertices.empty()) {
       progress.check();
-      const std::vector<std::uint32_t> vertices = taken_back(suspects);
-      if (vertices.empty()) return complete;
-      complete = false;
-      suspects = facets_at(vertices);
+      vertices = taken_back(facets_at(vertices, around));
     }
+    return false;
   }
 
  private:
@@ -70,14 +71,11 @@ class Mover {
     return vertices;
   }
 
-  std::vector<std::uint32_t> facets_at(const std::vector<std::uint32_t>& vertices) const {
+  static std::vector<std::uint32_t> facets_at(const std::vector<std::uint32_t>& vertices, const FacetsAround& around) {
     std::vector<std::uint32_t> found;
-    std::vector<char> marked(mesh_.start.size(), 0);
-    for (const std::uint32_t v : vertices) marked[v] = 1;
-    for (std::uint32_t f = 0; f < mesh_.facets.size(); ++f) {
-      const auto [a, b, c] = mesh_.facets[f];
-      if (marked[a] || marked[b] || marked[c]) found.push_back(f);
-    }
+    for (const std::uint32_t v : vertices) found.insert(found.end(), around[v].begin(), around[v].end());
+    std::sort(found.begin(), found.end());
+    found.erase(std::unique(found.begin(), found.end()), found.end());
     return found;
   }
 

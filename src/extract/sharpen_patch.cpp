@@ -1,6 +1,7 @@
 #include "sharpen_patch.h"
 
 #include <cmath>
+#include <numeric>
 
 namespace burnish::detail {
 namespace {
@@ -13,27 +14,52 @@ constexpr double kNoDirection = 1e-6;  // sine of the least angle of a facet wit
 }  // namespace
 
 Patch::Patch(SharpenMesh& mesh, std::vector<Vec3>& points, UnionFind& edits, const ReferenceSurface& s)
-    : mesh_(mesh), points_(points), edits_(edits), s_(s), around_(mesh.facets, points.size()) {
-  // The targets' way to face, before anything changes.
-  for (std::uint32_t f = 0; f < mesh.facets.size(); ++f) {
-    const Facet& c = mesh.facets[f];
-    if (!is_alive(f) || !(mesh.on_crease(c[0]) && mesh.on_crease(c[1]) && mesh.on_crease(c[2]))) continue;
-    const Vec3 n = cross(mesh.start[c[1]] - mesh.start[c[0]], mesh.start[c[2]] - mesh.start[c[0]]);
-    const double length = norm(n);
-    const ReferenceSurface::Foot foot = s.closest((mesh.target[c[0]] + mesh.target[c[1]] + mesh.target[c[2]]) / 3, 2, length > 0 ? n / length : n);
-    own_facing_[f] = foot.found() ? s.normal(foot.facet) : length > 0 ? n / length : n;
+    : mesh_(mesh), points_(points), edits_(edits), s_(s), around_(mesh.facets, points.size()), list_of_(points.size(), kNone), facing_of_(mesh.facets.size(), kNone) {
+  find_facings_between_creases();
+}
+
+// The targets' way to face, before anything changes.
+void Patch::find_facings_between_creases() {
+  std::vector<std::uint32_t> between;
+  for (std::uint32_t f = 0; f < mesh_.facets.size(); ++f) {
+    const Facet& c = mesh_.facets[f];
+    if (is_alive(f) && mesh_.on_crease(c[0]) && mesh_.on_crease(c[1]) && mesh_.on_crease(c[2])) between.push_back(f);
   }
+  facings_.resize(between.size());
+  parallel_for(between.size(), [&](std::size_t i) {
+    const Facet& c = mesh_.facets[between[i]];
+    const Vec3 n = cross(mesh_.start[c[1]] - mesh_.start[c[0]], mesh_.start[c[2]] - mesh_.start[c[0]]);
+    const double length = norm(n);
+    const Vec3 before = length > 0 ? n / length : n;
+    const ReferenceSurface::Foot foot = s_.closest((mesh_.target[c[0]] + mesh_.target[c[1]] + mesh_.target[c[2]]) / 3, 2, before);
+    facings_[i] = foot.found() ? s_.normal(foot.facet) : before;
+    facing_of_[between[i]] = static_cast<std::uint32_t>(i);
+  }, 64);
 }
 
 std::span<const std::uint32_t> Patch::facets_at(std::uint32_t v) const {
-  const auto own = changed_.find(v);
-  return own == changed_.end() ? around_[v] : std::span<const std::uint32_t>(own->second);
+  return list_of_[v] == kNone ? around_[v] : std::span<const std::uint32_t>(lists_[list_of_[v]]);
 }
 
 std::vector<std::uint32_t>& Patch::own_list(std::uint32_t v) {
-  const auto [own, fresh] = changed_.try_emplace(v);
-  if (fresh) own->second.assign(around_[v].begin(), around_[v].end());
-  return own->second;
+  if (list_of_[v] == kNone) {
+    list_of_[v] = static_cast<std::uint32_t>(lists_.size());
+    lists_.emplace_back(around_[v].begin(), around_[v].end());
+  }
+  return lists_[list_of_[v]];
+}
+
+void Patch::set_facing(std::uint32_t f, const Vec3& facing) {
+  if (facing_of_[f] == kNone) {
+    facing_of_[f] = static_cast<std::uint32_t>(facings_.size());
+    facings_.push_back(facing);
+  } else {
+    facings_[facing_of_[f]] = facing;
+  }
+}
+
+void Patch::keep_facing(std::uint32_t f) {
+  if (facing_of_[f] == kNone) set_facing(f, facing(f));
 }
 
 bool Patch::is_ring_frozen(std::uint32_t v) const {
@@ -87,8 +113,7 @@ Vec3 Patch::facing_when(const Facet& c, const Vec3& otherwise) const {
 }
 
 Vec3 Patch::facing(std::uint32_t f) const {
-  const auto own = own_facing_.find(f);
-  return facing_when(facet(f), own == own_facing_.end() ? Vec3{} : own->second);
+  return facing_when(facet(f), facing_of_[f] == kNone ? Vec3{} : facings_[facing_of_[f]]);
 }
 
 double Patch::quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& facing) {
@@ -100,35 +125,39 @@ double Patch::quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& f
   return sine * std::min(1.0, (cosine - kTurnedOver) / (kFacesWell - kTurnedOver));
 }
 
-double Patch::quality_when(std::uint32_t f, std::uint32_t v, const Vec3& at) const {
+double Patch::quality_when(const Facet& c, std::uint32_t v, const Vec3& at, const Vec3& facing) const {
   const auto where = [&](std::uint32_t w) -> const Vec3& { return w == v ? at : points_[w]; };
-  const auto [a, b, c] = facet(f);
-  return quality(where(a), where(b), where(c), facing(f));
+  return quality(where(c[0]), where(c[1]), where(c[2]), facing);
 }
 
 std::vector<std::uint32_t> Patch::all_poor_facets() const {
-  std::vector<char> poor(mesh_.facets.size());
-  parallel_for(poor.size(), [&](std::size_t f) {
-    const auto i = static_cast<std::uint32_t>(f);
-    poor[f] = is_alive(i) && !is_frozen(i) && quality(i) < kPoor;
-  });
-  std::vector<std::uint32_t> found;
-  for (std::uint32_t f = 0; f < poor.size(); ++f)
-    if (poor[f]) found.push_back(f);
-  return found;
+  std::vector<std::uint32_t> facets(mesh_.facets.size());
+  std::iota(facets.begin(), facets.end(), 0u);
+  return poor_of(facets);
 }
 
-std::vector<std::uint32_t> Patch::poor_facets_at(std::vector<std::uint32_t> facets) const {
-  std::sort(facets.begin(), facets.end());
+std::vector<std::uint32_t> Patch::poor_facets_of(std::vector<std::uint32_t> facets) const {
+  parallel_sort(facets);
   facets.erase(std::unique(facets.begin(), facets.end()), facets.end());
-  std::erase_if(facets, [&](std::uint32_t f) { return !is_alive(f) || is_frozen(f) || quality(f) >= kPoor; });
-  return facets;
+  return poor_of(facets);
+}
+
+std::vector<std::uint32_t> Patch::poor_of(const std::vector<std::uint32_t>& facets) const {
+  std::vector<char> poor(facets.size());
+  parallel_for(poor.size(), [&](std::size_t i) {
+    const std::uint32_t f = facets[i];
+    poor[i] = is_alive(f) && !is_frozen(f) && quality(f) < kPoor;
+  });
+  std::vector<std::uint32_t> found;
+  for (std::size_t i = 0; i < poor.size(); ++i)
+    if (poor[i]) found.push_back(facets[i]);
+  return found;
 }
 
 void Patch::sort_worst_first(std::vector<std::uint32_t>& facets) const {
   std::vector<std::pair<double, std::uint32_t>> keyed(facets.size());
-  for (std::size_t i = 0; i < facets.size(); ++i) keyed[i] = {quality(facets[i]), facets[i]};
-  std::sort(keyed.begin(), keyed.end());
+  parallel_for(facets.size(), [&](std::size_t i) { keyed[i] = {quality(facets[i]), facets[i]}; });
+  parallel_sort(keyed);
   for (std::size_t i = 0; i < facets.size(); ++i) facets[i] = keyed[i].second;
 }
 
@@ -138,7 +167,7 @@ void Patch::flip(std::uint32_t p, std::uint32_t q) {
   const std::uint32_t r = opposite(f, p, q), s = opposite(g, p, q);
   keep_facing(f), keep_facing(g);
   edits_.unite(f, g);
-  own_facing_[g] = own_facing_[f];
+  set_facing(g, Vec3(facings_[facing_of_[f]]));
   mesh_.facets[f] = {p, s, r};
   mesh_.facets[g] = {s, q, r};
   std::erase(own_list(p), g);

@@ -3,7 +3,7 @@
 
 #include <algorithm>
 #include <array>
-#include <unordered_map>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -43,10 +43,12 @@ class Patch {
   // The sine of the least angle, less where a facet does not face what it should, -1 if it is turned over.
   double quality(std::uint32_t f) const { return quality(facet(f), facing(f)); }
   double quality(const Facet& c, const Vec3& facing) const { return quality(point(c[0]), point(c[1]), point(c[2]), facing); }
-  double quality_when(std::uint32_t f, std::uint32_t v, const Vec3& at) const;
+  // The same with vertex v elsewhere.
+  double quality_when(const Facet& c, std::uint32_t v, const Vec3& at, const Vec3& facing) const;
 
   std::vector<std::uint32_t> all_poor_facets() const;
-  std::vector<std::uint32_t> poor_facets_at(std::vector<std::uint32_t> facets) const;
+  // Those of the facets, ascending and each once.
+  std::vector<std::uint32_t> poor_facets_of(std::vector<std::uint32_t> facets) const;
   void sort_worst_first(std::vector<std::uint32_t>& facets) const;
 
   void flip(std::uint32_t p, std::uint32_t q);
@@ -55,16 +57,23 @@ class Patch {
 
  private:
   static double quality(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& facing);
+  void find_facings_between_creases();
+  std::vector<std::uint32_t> poor_of(const std::vector<std::uint32_t>& facets) const;
   std::vector<std::uint32_t>& own_list(std::uint32_t v);
-  void keep_facing(std::uint32_t f) { own_facing_.try_emplace(f, facing(f)); }
+  void set_facing(std::uint32_t f, const Vec3& facing);
+  void keep_facing(std::uint32_t f);
+
+  static constexpr std::uint32_t kNone = kNoFacet;
 
   SharpenMesh& mesh_;
   std::vector<Vec3>& points_;
   UnionFind& edits_;
   const ReferenceSurface& s_;
   FacetsAround around_;
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> changed_;  // vertex -> facets, ascending
-  std::unordered_map<std::uint32_t, Vec3> own_facing_;                     // of facets without smooth vertices
+  // What differs from `around_`, and the facing of facets without smooth vertices; the first two say where: kNone for most.
+  std::vector<std::uint32_t> list_of_, facing_of_;  // per vertex; per facet
+  std::vector<std::vector<std::uint32_t>> lists_;   // facets, ascending
+  std::vector<Vec3> facings_;
 };
 
 }  // namespace burnish::detail

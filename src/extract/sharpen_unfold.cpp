@@ -1,8 +1,8 @@
 // The lattice tears the tips of wedges into fingers. The line between both sheets follows them, and its closest points on the crease run to and fro.
 #include <algorithm>
 #include <array>
-#include <unordered_map>
 #include <utility>
+#include <vector>
 
 #include "sharpen_mesh.h"
 
@@ -25,7 +25,7 @@ class Unfolder {
   void run() {
     std::vector<std::uint32_t> folded = folds();
     for (int sweep = 0; sweep < kSweeps && !folded.empty(); ++sweep) {
-      for (const std::uint32_t v : folded) relax(v);
+      for (const std::uint32_t l : folded) relax(links_[l]);
       folded = folds();
     }
   }
@@ -47,55 +47,75 @@ class Unfolder {
         halves.push_back({{std::min(u, v), std::max(u, v)}, mesh_.sheet[w]});
       }
     }
-    std::sort(halves.begin(), halves.end());
+    parallel_sort(halves);
     for (std::size_t i = 0; i + 1 < halves.size(); ++i) {
       const Half &a = halves[i], &b = halves[i + 1];
       if (a.points != b.points || s_.sheet(a.facet) == s_.sheet(b.facet)) continue;
-      for (const std::uint32_t v : a.points) at_[v].push_back(static_cast<std::uint32_t>(crest_.size()));
       crest_.push_back({a.points, {a.facet, b.facet}});
     }
-    for (const auto& e : crest_)
-      for (const std::uint32_t v : e.points) vertices_.push_back(v);
-    std::sort(vertices_.begin(), vertices_.end());
-    vertices_.erase(std::unique(vertices_.begin(), vertices_.end()), vertices_.end());
-    std::erase_if(vertices_, [&](std::uint32_t v) { return at_.at(v).size() != 2 || mesh_.kind[v] != SharpenedKind::crease || mesh_.stays(v); });
+    link();
   }
 
-  std::array<std::uint32_t, 2> neighbours(std::uint32_t v) const {
-    std::array<std::uint32_t, 2> found{};
-    for (std::size_t i = 0; i < 2; ++i) {
-      const auto& points = crest_[at_.at(v)[i]].points;
-      found[i] = points[0] == v ? points[1] : points[0];
+  // A vertex with two crest edges, that may move.
+  struct Link {
+    std::uint32_t vertex = 0;
+    std::array<std::uint32_t, 2> neighbours{}, links{kNoFacet, kNoFacet};  // vertices; numbers of their links, if they have any
+    std::uint32_t edge = 0;                                                // the first one
+    bool settled = false;                                                  // it is where its neighbours want it
+  };
+
+  void link() {
+    std::vector<std::pair<std::uint32_t, std::uint32_t>> at;  // vertex, edge
+    for (std::uint32_t e = 0; e < crest_.size(); ++e)
+      for (const std::uint32_t v : crest_[e].points) at.push_back({v, e});
+    parallel_sort(at);
+    for (std::size_t begin = 0, end = 0; begin < at.size(); begin = end) {
+      const std::uint32_t v = at[begin].first;
+      while (end < at.size() && at[end].first == v) ++end;
+      if (end - begin != 2 || mesh_.kind[v] != SharpenedKind::crease || mesh_.stays(v)) continue;
+      const std::uint32_t e = at[begin].second;
+      links_.push_back({v, {other_end(e, v), other_end(at[begin + 1].second, v)}, {kNoFacet, kNoFacet}, e, false});
     }
-    return found;
+    for (Link& l : links_)
+      for (std::size_t i = 0; i < 2; ++i) l.links[i] = link_of(l.neighbours[i]);
+  }
+  std::uint32_t other_end(std::uint32_t edge, std::uint32_t v) const { return crest_[edge].points[crest_[edge].points[0] == v ? 1 : 0]; }
+  std::uint32_t link_of(std::uint32_t v) const {
+    const auto l = std::lower_bound(links_.begin(), links_.end(), v, [](const Link& a, std::uint32_t w) { return a.vertex < w; });
+    return l != links_.end() && l->vertex == v ? static_cast<std::uint32_t>(l - links_.begin()) : kNoFacet;
   }
 
-  // Vertices whose chain turns back there, and the neighbours of such.
+  // Where the chain turns back, and the neighbours there. Ascending.
   std::vector<std::uint32_t> folds() const {
     std::vector<std::uint32_t> found;
-    for (const std::uint32_t v : vertices_) {
-      const auto [a, b] = neighbours(v);
-      const Vec3& p = mesh_.target[v];
-      if (dot(mesh_.target[a] - p, mesh_.target[b] - p) >= 0) found.insert(found.end(), {a, v, b});
+    for (std::uint32_t i = 0; i < links_.size(); ++i) {
+      const Link& l = links_[i];
+      const Vec3& p = mesh_.target[l.vertex];
+      if (dot(mesh_.target[l.neighbours[0]] - p, mesh_.target[l.neighbours[1]] - p) >= 0) found.insert(found.end(), {l.links[0], i, l.links[1]});
     }
     std::sort(found.begin(), found.end());
     found.erase(std::unique(found.begin(), found.end()), found.end());
-    std::erase_if(found, [&](std::uint32_t v) { return !std::binary_search(vertices_.begin(), vertices_.end(), v); });
+    if (!found.empty() && found.back() == kNoFacet) found.pop_back();
     return found;
   }
 
-  void relax(std::uint32_t v) {
-    const auto [a, b] = neighbours(v);
-    const auto& sides = crest_[at_.at(v)[0]].facets;
-    const ReferenceSurface::Foot foot = s_.closest_between((mesh_.target[a] + mesh_.target[b]) * 0.5, kReach, sides[0], sides[1]);
-    if (foot.found()) mesh_.target[v] = foot.point;
+  // Where it goes depends on its neighbours alone.
+  void relax(Link& l) {
+    if (l.settled) return;
+    l.settled = true;
+    const auto& sides = crest_[l.edge].facets;
+    const Vec3 middle = (mesh_.target[l.neighbours[0]] + mesh_.target[l.neighbours[1]]) * 0.5;
+    const ReferenceSurface::Foot foot = s_.closest_between(middle, kReach, sides[0], sides[1]);
+    if (!foot.found() || foot.point == mesh_.target[l.vertex]) return;
+    mesh_.target[l.vertex] = foot.point;
+    for (const std::uint32_t n : l.links)
+      if (n != kNoFacet) links_[n].settled = false;
   }
 
   SharpenMesh& mesh_;
   const ReferenceSurface& s_;
   std::vector<CrestEdge> crest_;
-  std::unordered_map<std::uint32_t, std::vector<std::uint32_t>> at_;  // vertex -> crest edges
-  std::vector<std::uint32_t> vertices_;  // with two of them, ascending
+  std::vector<Link> links_;  // ascending vertices
 };
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 #include "burnish/core/parallel.h"
 
@@ -13,17 +14,48 @@ constexpr std::uint32_t kLeafFacets = 4;
 constexpr std::size_t kSubtrees = 16, kSubtreeFacets = 4096;  // that are built at the same time; no smaller ones
 // Slivers whose height over their longest side is below the root of this have no reliable plane; their edges serve.
 constexpr double kFlat = 1e-22;
+// Triangles whose height over their longest side is above the root of this have one that tells what is far; relative and absolute errors that it
+// may have then, of squared distances.
+constexpr double kReliable = 1e-8, kRelativeError = 1e-6, kAbsoluteError = 1e-18;
 
-Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+inline Vec3 closest_point_on_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
   const Vec3 ab = b - a;
   const double length2 = squared_norm(ab);
   if (length2 == 0) return a;
   return a + ab * std::clamp(dot(p - a, ab) / length2, 0.0, 1.0);
 }
 
-double squared_distance_to_box(const Vec3& p, const Vec3& lower, const Vec3& upper) {
-  const Vec3 d = max(max(lower - p, p - upper), Vec3{});
-  return squared_norm(d);
+// The point of a triangle closest to p; nothing if it is surely farther than sqrt(`limit`).
+inline std::optional<Vec3> closest_point_within(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, double limit) {
+  const Vec3 ab = b - a, bc = c - b, ca = a - c, n = cross(ab, c - a);
+  const double n2 = squared_norm(n), ab2 = squared_norm(ab), bc2 = squared_norm(bc), ca2 = squared_norm(ca);
+  const double longest2 = std::max({ab2, bc2, ca2});
+  bool inside = n2 > 0;
+  if (inside) {
+    const Vec3 ap = p - a;
+    const bool reliable = n2 > kReliable * longest2 * longest2;
+    const double far = (limit * (1 + kRelativeError) + kAbsoluteError * (longest2 + squared_norm(ap))) * n2, height = dot(ap, n);
+    if (reliable && height * height > far) return std::nullopt;
+    // In the plane, from the line through an edge.
+    const double from_ab = dot(cross(ab, ap), n), from_bc = dot(cross(bc, p - b), n), from_ca = dot(cross(ca, p - c), n);
+    inside = from_ab >= 0 && from_bc >= 0 && from_ca >= 0;
+    const auto is_far = [&](double from, double edge2) { return from < 0 && from * from > far * edge2; };
+    if (!inside && reliable && (is_far(from_ab, ab2) || is_far(from_bc, bc2) || is_far(from_ca, ca2))) return std::nullopt;
+  }
+  if (inside && n2 > kFlat * longest2 * longest2) {
+    // The height is measured from the longest edge: nothing inside a sliver is far from it, so that the error of a
+    // sliver's normal does no harm.
+    const Vec3 q = ab2 == longest2   ? closest_point_on_segment(p, a, b)
+                   : bc2 == longest2 ? closest_point_on_segment(p, b, c)
+                                     : closest_point_on_segment(p, c, a);
+    return p - n * (dot(p - q, n) / n2);
+  }
+  Vec3 best = closest_point_on_segment(p, a, b);
+  // An edge that is folded to a triangle.
+  if (b == c && squared_norm(best - p) > limit * (1 + kRelativeError) + kAbsoluteError * (ab2 + squared_norm(p - a))) return std::nullopt;
+  for (const Vec3& q : {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a)})
+    if (squared_norm(q - p) < squared_norm(best - p)) best = q;
+  return best;
 }
 
 // Where a ray enters a box; infinity if it misses it. Slabs; a direction of zero gives infinities of either sign, or nan,
@@ -52,25 +84,7 @@ double distance_along(const Vec3& origin, const Vec3& direction, const std::arra
 }  // namespace
 
 Vec3 closest_point_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
-  const Vec3 n = cross(b - a, c - a);
-  const double n2 = squared_norm(n);
-  const auto inside_edge = [&](const Vec3& u, const Vec3& v) { return dot(cross(v - u, p - u), n) >= 0; };
-  if (n2 > 0 && inside_edge(a, b) && inside_edge(b, c) && inside_edge(c, a)) {
-    const double ab2 = squared_norm(b - a), bc2 = squared_norm(c - b), ca2 = squared_norm(a - c);
-    const double longest2 = std::max({ab2, bc2, ca2});
-    if (n2 > kFlat * longest2 * longest2) {
-      // The height is measured from the longest edge: nothing inside a sliver is far from it, so that the error of a
-      // sliver's normal does no harm.
-      const Vec3 q = ab2 == longest2   ? closest_point_on_segment(p, a, b)
-                     : bc2 == longest2 ? closest_point_on_segment(p, b, c)
-                                       : closest_point_on_segment(p, c, a);
-      return p - n * (dot(p - q, n) / n2);
-    }
-  }
-  Vec3 best = closest_point_on_segment(p, a, b);
-  for (const Vec3& q : {closest_point_on_segment(p, b, c), closest_point_on_segment(p, c, a)})
-    if (squared_norm(q - p) < squared_norm(best - p)) best = q;
-  return best;
+  return *closest_point_within(p, a, b, c, std::numeric_limits<double>::infinity());
 }
 
 double solid_angle_fraction(const Vec3& p, const Vec3& pa, const Vec3& pb, const Vec3& pc) {
@@ -216,34 +230,33 @@ TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squar
   Closest best;
   best.squared_distance = within_squared;
   if (nodes_.empty()) return best;
-  struct Entry {
-    std::uint32_t node;
-    double bound;
-  };
   std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step pushes one
   std::size_t top = 0;
-  stack[top++] = {0, squared_distance_to_box(p, nodes_[0].lower, nodes_[0].upper)};
+  stack[top++] = {0, bound(0, p)};
   while (top > 0) {
     const Entry entry = stack[--top];
     if (entry.bound > best.squared_distance) continue;
     const Node& node = nodes_[entry.node];
     if (node.count > 0) {
       for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
-        const Vec3 q = closest_point_on_triangle(p, corners_[s][0], corners_[s][1], corners_[s][2]);
-        const double d2 = squared_norm(q - p);
+        const auto q = closest_point_within(p, corners_[s][0], corners_[s][1], corners_[s][2], best.squared_distance);
+        if (!q) continue;
+        const double d2 = squared_norm(*q - p);
         if (d2 < best.squared_distance || (d2 == best.squared_distance && best.facet == 0xffffffffu))
-          best = {q, d2, facet_ids_[s]};
+          best = {*q, d2, facet_ids_[s]};
       }
       continue;
     }
-    Entry near{entry.node + 1, 0}, far{node.first, 0};
-    near.bound = squared_distance_to_box(p, nodes_[near.node].lower, nodes_[near.node].upper);
-    far.bound = squared_distance_to_box(p, nodes_[far.node].lower, nodes_[far.node].upper);
-    if (far.bound < near.bound) std::swap(near, far);
-    stack[top++] = far;
-    stack[top++] = near;
+    for (const Entry& child : children(entry.node, p)) stack[top++] = child;
   }
   return best;
+}
+
+double TriangleIndex::closest_in_slot(const Vec3& p, std::uint32_t slot, double limit, Vec3& q) const {
+  const auto found = closest_point_within(p, corners_[slot][0], corners_[slot][1], corners_[slot][2], limit);
+  if (!found) return std::numeric_limits<double>::infinity();
+  q = *found;
+  return squared_norm(q - p);
 }
 
 void TriangleIndex::facets_near(const Vec3& p, double within_squared, std::vector<std::uint32_t>& facets) const {
@@ -254,7 +267,7 @@ void TriangleIndex::facets_near(const Vec3& p, double within_squared, std::vecto
   while (top > 0) {
     const std::uint32_t i = stack[--top];
     const Node& node = nodes_[i];
-    if (squared_distance_to_box(p, node.lower, node.upper) > within_squared) continue;
+    if (bound(i, p) > within_squared) continue;
     if (node.count == 0) {
       stack[top++] = node.first;
       stack[top++] = i + 1;

@@ -46,28 +46,31 @@ class ReferenceSurface {
   // The closest such point on the sheet of facet f.
   Foot closest_on_sheet(const Vec3& p, double within, const Vec3& facing, std::uint32_t f) const;
 
-  // The closest point of any crease.
-  Foot closest_on_creases(const Vec3& p, double within) const;
+  // The closest point of any crease. `hint`, a crease edge that may be near, only saves time.
+  Foot closest_on_creases(const Vec3& p, double within, std::uint32_t hint = kNoFacet) const;
+  // Whether there is any within the distance; `hint` as above, and set to the edge that was found.
+  bool is_near_creases(const Vec3& p, double within, std::uint32_t& hint) const;
   // That of a crease between the sheets of facets f and g, if one is within the distance; else of one that bounds the sheet with the lower
-  // number (so that all who ask for two sheets that do not meet get the same one), else of any.
-  Foot closest_between(const Vec3& p, double within, std::uint32_t f, std::uint32_t g) const;
+  // number (so that all who ask for two sheets that do not meet get the same one), else of any. `hint` as above.
+  Foot closest_between(const Vec3& p, double within, std::uint32_t f, std::uint32_t g, std::uint32_t hint = kNoFacet) const;
 
   // Whether a crease lies between the sheets of f and g.
-  bool parts(std::uint32_t crease_edge, std::uint32_t f, std::uint32_t g) const { return fit_of_crease(crease_edge, f, g) == 2; }
+  bool parts(std::uint32_t crease_edge, std::uint32_t f, std::uint32_t g) const { return sheets_at_crease_[crease_edge] == sheets_of(f, g); }
   // Sheets that meet at a corner (of creases().corners), and whether that of a facet is one of them.
   std::size_t sheets_at_corner(std::size_t corner) const { return sheets_at_corner_[corner].size(); }
   bool sheet_meets_corner(std::uint32_t facet, std::size_t corner) const;
 
   // Whether a path over facets leads from f to g within the ball, across edges that are no creases. Always true for f == g.
-  // Looks at 4096 facets at most, those nearest to g's centroid first; beyond that the answer is yes.
+  // Looks at 4096 facets at most; beyond that the answer is yes.
   bool connected(std::uint32_t f, std::uint32_t g, const Vec3& centre, double radius) const;
 
  private:
   void link_facets();
   void list_sheets_at_corners();
-  template <class Accept>
-  Foot closest_accepted(const Vec3& p, double within, Accept&& accept) const;
-  int fit_of_crease(std::uint32_t edge, std::uint32_t f, std::uint32_t g) const;
+  void list_sheets_at_creases();
+  double squared_distance_to_crease(const Vec3& p, std::uint32_t edge) const;
+  static Edge ascending(std::uint32_t a, std::uint32_t b) { return a < b ? Edge{a, b} : Edge{b, a}; }
+  Edge sheets_of(std::uint32_t f, std::uint32_t g) const { return ascending(sheet_[f], sheet_[g]); }
 
   TriangleSoup soup_;
   Creases creases_;
@@ -79,6 +82,8 @@ class ReferenceSurface {
   std::vector<std::array<std::uint32_t, 3>> across_;
   std::vector<std::uint32_t> sheet_;
   std::vector<std::vector<std::uint32_t>> sheets_at_corner_;  // ascending
+  std::vector<Edge> sheets_at_crease_;                        // per crease edge, lower one first
+  std::vector<Edge> meeting_sheets_;                          // of all crease edges, ascending, each once
 };
 
 }  // namespace burnish

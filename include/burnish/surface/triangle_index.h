@@ -36,6 +36,11 @@ class TriangleIndex {
   // Without any, `facet` is 0xffffffff. 1 to 2 us near the surface of a million facets.
   Closest closest(const Vec3& p, double within_squared = std::numeric_limits<double>::infinity()) const;
 
+  // The closest of the facets that `accept(facet)` holds for, nearer than sqrt(`within_squared`); among equals, the first in
+  // the tree's order, i.e. that of facets_near.
+  template <class Accept>
+  Closest closest_of(const Vec3& p, double within_squared, Accept&& accept) const;
+
   // Appends every facet within sqrt(`within_squared`) of p to `facets`, and others from the same leaves of the tree,
   // in the tree's order.
   void facets_near(const Vec3& p, double within_squared, std::vector<std::uint32_t>& facets) const;
@@ -74,6 +79,24 @@ class TriangleIndex {
     std::uint32_t root = 0, begin = 0, end = 0;  // first node; facet slots
   };
 
+  struct Entry {
+    std::uint32_t node;
+    double bound;  // of the squared distance, from below
+  };
+
+  double bound(std::uint32_t node, const Vec3& p) const {
+    const Vec3 d = max(max(nodes_[node].lower - p, p - nodes_[node].upper), Vec3{});
+    return squared_norm(d);
+  }
+  // The children of a node, the farther one first.
+  std::array<Entry, 2> children(std::uint32_t node, const Vec3& p) const {
+    const Entry left{node + 1, bound(node + 1, p)}, right{nodes_[node].first, bound(nodes_[node].first, p)};
+    return right.bound < left.bound ? std::array{left, right} : std::array{right, left};
+  }
+
+  // The closest point of one facet, and its squared distance; infinity if it is surely above `limit`.
+  double closest_in_slot(const Vec3& p, std::uint32_t slot, double limit, Vec3& q) const;
+
   static std::size_t nodes_in_subtree(std::size_t facets);
   std::array<Subtree, 2> split(const Subtree& tree, const LargeArray<Vec3>& centroids);
   void build(const Subtree& tree, const LargeArray<Vec3>& centroids);
@@ -82,10 +105,40 @@ class TriangleIndex {
   double sum_moments(std::size_t leaf);
 
   static constexpr double kBeta = 3.0;
+  static constexpr double kRounding = 1 + 1e-12;  // of the distance to a box against that to what is in it
   LargeArray<Node> nodes_;
   LargeArray<Moments> moments_;
   std::vector<std::uint32_t> facet_ids_;          // slot -> facet of the soup
   LargeArray<std::array<Vec3, 3>> corners_;      // slot -> triangle
 };
+
+template <class Accept>
+TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_squared, Accept&& accept) const {
+  Closest best;
+  best.squared_distance = within_squared;
+  if (nodes_.empty()) return best;
+  std::uint32_t best_slot = 0xffffffffu;
+  std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step pushes one
+  std::size_t top = 0;
+  stack[top++] = {0, bound(0, p)};
+  while (top > 0) {
+    const Entry entry = stack[--top];
+    if (entry.bound > best.squared_distance * kRounding) continue;
+    const Node& node = nodes_[entry.node];
+    if (node.count == 0) {
+      for (const Entry& child : children(entry.node, p)) stack[top++] = child;
+      continue;
+    }
+    for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
+      if (!accept(facet_ids_[s])) continue;
+      Vec3 q;
+      const double d2 = closest_in_slot(p, s, best.squared_distance, q);
+      if (!(d2 < best.squared_distance || (d2 == best.squared_distance && best_slot != 0xffffffffu && s < best_slot))) continue;
+      best = {q, d2, facet_ids_[s]};
+      best_slot = s;
+    }
+  }
+  return best;
+}
 
 }  // namespace burnish
