@@ -1,0 +1,58 @@
+// OpenFOAM cases: reading a polyMesh, and writing fields for it.
+//
+// What is read is what OpenFOAM 1912 and later (openfoam.com) and 7 and later (openfoam.org) write: ascii or binary, label 32 or 64, scalar 32 or 64 (the
+// `arch` entry says), plain or gzipped files.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/core/progress.h"
+#include "burnish/io/output_file.h"
+#include "burnish/volume/polyhedral_mesh.h"
+
+namespace burnish {
+
+struct FoamFormat {
+  bool binary = false;
+  bool compressed = false;
+  int label_bytes = 4, scalar_bytes = 8;
+};
+
+struct FoamMesh {
+  PolyhedralMesh mesh;
+  FoamFormat format;      // of its points file
+  std::string folder;     // where it was found
+};
+
+// CASE/constant/polyMesh; `region`: CASE/constant/<region>/polyMesh. Throws Error{unreadable_input} naming file, line or byte, expected and found:
+// no such folder, no case (neither system/controlDict nor constant), a decomposed case (points at processor0 alone), a file cut off, labels out of range,
+// an owner or neighbour list of the wrong length.
+FoamMesh read_foam_mesh(const std::string& case_folder, const std::string& region = {}, Progress& progress = no_progress());
+
+// A scalar field file of a case, taken apart as far as is needed to write it again with other values: all entries but internalField keep their text, byte for byte.
+struct FoamField {
+  std::string before;          // text up to and including "internalField"
+  std::string after;           // from the ';' after its value on: boundaryField with all conditions
+  FoamFormat format;
+  std::vector<std::string> patches;  // names (or regular expressions in quotes) in its boundaryField
+};
+// Throws Error{unreadable_input} also if it is no volScalarField.
+FoamField read_foam_field(const std::string& path);
+
+// A new field with zeroGradient on all patches, and the constraint type where a patch has one (empty, wedge, cyclic, symmetry, processor, ...).
+FoamField new_foam_field(const std::string& object, const std::string& dimensions, const std::vector<MeshPatch>& patches, const FoamFormat& format);
+
+// A value for the patches of a field: `value uniform v` and, for zeroGradient and calculated, nothing else changes. Throws Error{usage} for a patch
+// that the mesh does not have, naming those it has.
+void set_patch_value(FoamField& field, const std::string& patch, const std::vector<MeshPatch>& patches, double value);
+
+// internalField nonuniform List<scalar>, in the field's format (uniform where all values are equal), at full precision.
+void write_foam_field(OutputFile& file, const FoamField& field, const std::vector<double>& values);
+
+// The time folder that a run of this case starts from, by system/controlDict's startFrom and startTime: "0" where it cannot be said.
+std::string start_time_folder(const std::string& case_folder);
+
+}  // namespace burnish

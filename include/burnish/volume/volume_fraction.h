@@ -1,0 +1,68 @@
+// Volume fractions: how much of each cell of a mesh lies inside a solid. The initial field of a volume-of-fluid simulation.
+//
+// Three methods, for three kinds of solid:
+//
+//   exact   a closed triangle surface: facets are clipped to cells, and what is inside is measured by the divergence theorem, once per dimension.
+//           The sum over a mesh that holds the solid is the solid's volume to rounding.                                        [T-VOF-1]
+//   linear  a signed distance: cells are divided around the surface and tetrahedra cut by the linear interpolant, until an estimate of what is
+//           missed is below the tolerance. Second order in the cell.                                                           [T-VOF-4]
+//   curved  the same, but a cell is cut by the tangent plane of the surface and corrected by its curvature: third order.       [T-VOF-5]
+//
+// All results are in [0, 1]; exactly 0 and 1 where the surface does not pass through. Cells are what polyhedral_mesh.h says. Same bits for any number of threads.
+// Coordinates are the mesh's, whatever its unit.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "burnish/core/progress.h"
+#include "burnish/surface/triangle_soup.h"
+#include "burnish/volume/polyhedral_mesh.h"
+
+namespace burnish {
+
+struct VolumeFractions {
+  std::vector<double> alpha;         // per cell
+  double volume = 0;                 // sum of alpha x the cell's volume
+  std::size_t mixed = 0;             // cells that the surface passes through
+  std::size_t clamped = 0;           // whose result was outside [0, 1] by more than 1e-9 before it was clamped; 0 as a rule
+  double worst_clamp = 0;            // by how much
+};
+
+// `solid`: welded, closed (is_closed_chain), without self-intersections, oriented outwards. Throws Error{usage} if it is not closed. Cost: 1 us per
+// pair of a facet and a cell whose boxes overlap, 50 ns a cell elsewhere.
+VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const TriangleSoup& solid,
+                                       Progress& progress = no_progress());
+
+// What the other two methods know of the solid. All are called from several threads.
+struct SolidField {
+  // phi at points: > 0 inside, a distance near the surface; beyond `band` of the surface only its sign and that it is farther are known.
+  std::function<void(std::span<const Vec3> points, double* phi)> distance;
+  double band = 0;
+  // The surface's closest point, outward normal, principal curvatures (positive where convex) and directions; false where there is none.
+  struct Front {
+    Vec3 foot, normal, direction1, direction2;
+    double k1 = 0, k2 = 0;
+    bool found = false;
+  };
+  std::function<void(std::span<const Vec3> points, Front* fronts)> front;  // for the curved method only
+};
+
+struct FractionOptions {
+  double tolerance = 1e-3;   // linear: of a mixed cell's volume; what a further division would change
+  int deepest = 4;           // linear: divisions of a cell's tetrahedra, by eight each
+};
+
+VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
+                                        const FractionOptions& options = {}, Progress& progress = no_progress());
+
+// Cells in which no front is found (kinks), or whose curvature times diameter exceeds 1, are cut by the linear method. [T-VOF-5]
+VolumeFractions curved_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
+                                        const FractionOptions& options = {}, Progress& progress = no_progress());
+
+// The part of a tetrahedron in which a linear function with these values at its corners is positive: 0 to 1. [T-VOF-3]
+double positive_share(double a, double b, double c, double d);
+
+}  // namespace burnish
