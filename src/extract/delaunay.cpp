@@ -41,6 +41,7 @@ class Extraction {
   DelaunaySurface run() {
     surface_ = zero_surface(set_, progress_);
     if (surface_.soup.facets.empty()) return {};
+    result_.wanted = level_set_topology(set_, progress_);
     if (options_.edge_tolerance > 0) lengths_ = edge_lengths(set_, surface_, separated_curves(options_.creases, options_.edge), options_, progress_);
     else lengths_.assign(surface_.soup.points.size(), options_.edge);
     Mesh mesh;
@@ -92,10 +93,11 @@ class Extraction {
       mesh.flaw = "the Delaunay surface is no closed manifold";
       return;
     }
-    // Where marching tetrahedra decide otherwise within a cell than the interpolant, the meshes differ for good.
-    const SurfaceTopology made = surface_topology(mesh.made.soup), wanted = surface_topology(surface_.soup);
-    if (made.components.size() != wanted.components.size())
-      mesh.flaw = std::to_string(made.components.size()) + " components instead of " + std::to_string(wanted.components.size());
+    // Where tetrahedra decide otherwise within a cell than the interpolant, the meshes differ for good.
+    const SurfaceTopology made = surface_topology(mesh.made.soup);
+    const LevelSetTopology& wanted = result_.wanted;
+    if (made.components.size() != wanted.surface_components)
+      mesh.flaw = std::to_string(made.components.size()) + " components instead of " + std::to_string(wanted.surface_components);
     else if (made.euler_characteristic != wanted.euler_characteristic)
       mesh.flaw = "Euler characteristic " + std::to_string(made.euler_characteristic) + " instead of " + std::to_string(wanted.euler_characteristic);
   }

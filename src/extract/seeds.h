@@ -1,4 +1,4 @@
-// What Delaunay refinement starts from, and what its result is compared with: the surface of marching tetrahedra.
+// What Delaunay refinement starts from: points of the surface of marching tetrahedra.
 #pragma once
 
 #include <cstdint>

@@ -7,7 +7,7 @@
 //
 // **What could go wrong, and what is done.** A mesher that starts from a few points finds one of 21 spheres and calls that clean. Here it starts from the
 // zero crossings of the lattice, thinned to the size of facets, with several points on every component however small. Afterwards the numbers of components
-// and the Euler characteristic are compared with those of marching tetrahedra on the same octree. If they differ, facets are made
+// and the Euler characteristic are compared with what the signs of the level set say, as for marching tetrahedra (levelset/topology.h). If they differ, facets are made
 // smaller by half, once, and only of surfaces below 25,000 facets. What then still differs is a failure, and the caller has the other extractor: within a cell the
 // interpolant may have a handle where the tetrahedra have none.
 //
@@ -24,6 +24,7 @@
 
 #include "burnish/core/progress.h"
 #include "burnish/levelset/level_set.h"
+#include "burnish/levelset/topology.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -48,6 +49,7 @@ struct DelaunayOptions {
 struct DelaunaySurface {
   TriangleSoup soup;                    // lattice coordinates, welded; facets face from inside (phi > 0) to outside
   std::vector<std::uint8_t> on_crease;  // 1 for points that are on a protected polyline; one per point
+  LevelSetTopology wanted;              // the level set's, if it has a surface
   std::size_t points = 0;               // that the mesher used, over all attempts
   std::size_t oracle_calls = 0;         // over all attempts
   int attempts = 0;
