@@ -229,26 +229,15 @@ double TriangleIndex::sum_moments(std::size_t i) {
 TriangleIndex::Closest TriangleIndex::closest(const Vec3& p, double within_squared) const {
   Closest best;
   best.squared_distance = within_squared;
-  if (nodes_.empty()) return best;
-  std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step pushes one
-  std::size_t top = 0;
-  stack[top++] = {0, bound(0, p)};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.bound > best.squared_distance) continue;
-    const Node& node = nodes_[entry.node];
-    if (node.count > 0) {
-      for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
-        const auto q = closest_point_within(p, corners_[s][0], corners_[s][1], corners_[s][2], best.squared_distance);
-        if (!q) continue;
-        const double d2 = squared_norm(*q - p);
-        if (d2 < best.squared_distance || (d2 == best.squared_distance && best.facet == 0xffffffffu))
-          best = {*q, d2, facet_ids_[s]};
-      }
-      continue;
+  visit_leaves(p, [&] { return best.squared_distance; }, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t s = begin; s < end; ++s) {
+      const auto q = closest_point_within(p, corners_[s][0], corners_[s][1], corners_[s][2], best.squared_distance);
+      if (!q) continue;
+      const double d2 = squared_norm(*q - p);
+      if (d2 < best.squared_distance || (d2 == best.squared_distance && best.facet == 0xffffffffu))
+        best = {*q, d2, facet_ids_[s]};
     }
-    for (const Entry& child : children(entry.node, p)) stack[top++] = child;
-  }
+  });
   return best;
 }
 

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "burnish/core/large_array.h"
@@ -88,12 +89,10 @@ class TriangleIndex {
     const Vec3 d = max(max(nodes_[node].lower - p, p - nodes_[node].upper), Vec3{});
     return squared_norm(d);
   }
-  // The children of a node, the farther one first.
-  std::array<Entry, 2> children(std::uint32_t node, const Vec3& p) const {
-    const Entry left{node + 1, bound(node + 1, p)}, right{nodes_[node].first, bound(nodes_[node].first, p)};
-    return right.bound < left.bound ? std::array{left, right} : std::array{right, left};
-  }
-
+  // Calls `visit(first slot, last)` for every leaf whose box is within the squared distance `limit()`, which may become less, nearer ones before
+  // farther ones where boxes do not overlap.
+  template <class Limit, class Visit>
+  void visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit) const;
   // The closest point of one facet, and its squared distance; infinity if it is surely above `limit`.
   double closest_in_slot(const Vec3& p, std::uint32_t slot, double limit, Vec3& q) const;
 
@@ -116,20 +115,9 @@ template <class Accept>
 TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_squared, Accept&& accept) const {
   Closest best;
   best.squared_distance = within_squared;
-  if (nodes_.empty()) return best;
   std::uint32_t best_slot = 0xffffffffu;
-  std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step pushes one
-  std::size_t top = 0;
-  stack[top++] = {0, bound(0, p)};
-  while (top > 0) {
-    const Entry entry = stack[--top];
-    if (entry.bound > best.squared_distance * kRounding) continue;
-    const Node& node = nodes_[entry.node];
-    if (node.count == 0) {
-      for (const Entry& child : children(entry.node, p)) stack[top++] = child;
-      continue;
-    }
-    for (std::uint32_t s = node.first; s < node.first + node.count; ++s) {
+  visit_leaves(p, [&] { return best.squared_distance * kRounding; }, [&](std::uint32_t begin, std::uint32_t end) {
+    for (std::uint32_t s = begin; s < end; ++s) {
       if (!accept(facet_ids_[s])) continue;
       Vec3 q;
       const double d2 = closest_in_slot(p, s, best.squared_distance, q);
@@ -137,8 +125,31 @@ TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_sq
       best = {q, d2, facet_ids_[s]};
       best_slot = s;
     }
-  }
+  });
   return best;
+}
+
+template <class Limit, class Visit>
+void TriangleIndex::visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit) const {
+  if (nodes_.empty()) return;
+  std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step down pushes one
+  std::size_t top = 0;
+  Entry here{0, bound(0, p)};
+  while (true) {
+    if (here.bound <= limit()) {
+      const Node& node = nodes_[here.node];
+      if (node.count == 0) {
+        Entry near{here.node + 1, bound(here.node + 1, p)}, far{node.first, bound(node.first, p)};
+        if (far.bound < near.bound) std::swap(near, far);
+        if (far.bound <= limit()) stack[top++] = far;
+        here = near;
+        continue;
+      }
+      visit(node.first, node.first + node.count);
+    }
+    if (top == 0) return;
+    here = stack[--top];
+  }
 }
 
 }  // namespace burnish
