@@ -17,6 +17,7 @@
 #include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/compare.h"
 #include "burnish/surface/triangle_index.h"
+#include "burnish/surface/validate.h"
 #include "burnish/surface/weld.h"
 #include "curvature_summary.h"
 #include "level_set_gear.h"
@@ -130,9 +131,10 @@ class CurvatureRun : SolidRun {
   void find_surface() {
     begin("extracting");
     extracted_ = extract_surface(built_.level_set, {}, progress_).soup;
-    const std::size_t debris = leave_out_debris(extracted_, prepared_, built_.level_set.frame);
-    if (debris > 0 && job_.at == CurvaturePoints::surface)
-      report_.warnings.push_back(fmt::format("{} small pieces that stand for no component of the input were left out", debris));
+    const std::vector<Facet> debris = leave_out_debris(extracted_, prepared_, built_.level_set.frame);
+    if (!debris.empty() && job_.at == CurvaturePoints::surface)
+      report_.warnings.push_back(fmt::format("{} small pieces that stand for no component of the input were left out",
+                                             surface_topology({extracted_.points, debris, {}}).components.size()));
     extracted_ = compacted(extracted_);
     if (!extracted_.facets.empty()) surface_ = job_.at == CurvaturePoints::surface ? extracted_ : compacted(facets_on_surface());
     if (surface_.facets.empty())

@@ -264,20 +264,19 @@ void move_walls(LevelSet& level_set, const ResolvedOptions& options, Progress& p
   if (options.hollow) hollow(level_set, *options.hollow / options.cell);
 }
 
-std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {
+std::vector<Facet> leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {
   const Shells pieces = find_shells(surface);
-  if (pieces.shells.size() <= prepared.shells.shells.size()) return 0;
+  if (pieces.shells.size() <= prepared.shells.shells.size()) return {};
   double largest = 0;
   for (const Shell& piece : pieces.shells) largest = std::max(largest, std::abs(piece.volume));
   std::vector<char> debris(pieces.shells.size());
   for (std::size_t s = 0; s < debris.size(); ++s) debris[s] = std::abs(pieces.shells[s].volume) < kDebrisShare * largest;
-  if (std::find(debris.begin(), debris.end(), 1) == debris.end()) return 0;
+  if (std::find(debris.begin(), debris.end(), 1) == debris.end()) return {};
   for (const std::uint32_t piece : pieces_of_components(surface, pieces, prepared, frame)) debris[piece] = 0;
-  std::vector<Facet> kept;
-  for (std::size_t f = 0; f < surface.facets.size(); ++f)
-    if (!debris[pieces.of_facet[f]]) kept.push_back(surface.facets[f]);
+  std::vector<Facet> kept, left_out;
+  for (std::size_t f = 0; f < surface.facets.size(); ++f) (debris[pieces.of_facet[f]] ? left_out : kept).push_back(surface.facets[f]);
   surface.facets = std::move(kept);
-  return static_cast<std::size_t>(std::count(debris.begin(), debris.end(), 1));
+  return left_out;
 }
 
 TriangleSoup without_kept_caps(const TriangleSoup& surface, const PreparedInput& prepared, const ResolvedOptions& options) {

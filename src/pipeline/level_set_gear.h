@@ -41,8 +41,8 @@ void smooth_level_set(LevelSet& level_set, const SmoothingPlan& plan, RepairRepo
 void move_walls(LevelSet& level_set, const ResolvedOptions& options, Progress& progress);
 
 // Leaves out debris: small pieces of the extracted surface (lattice coordinates) that stand for no component of the
-// input. Returns how many. A component of the input keeps its piece, however small. [T-DEBRIS-1]
-std::size_t leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame);
+// input. Returns their facets. A component of the input keeps its piece, however small. [T-DEBRIS-1]
+std::vector<Facet> leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame);
 
 // The surface (in model units, welded) without what closes the openings that are to stay: those wider than
 // `options.max_hole`, which is set. [T-TRIM-1]

@@ -9,6 +9,7 @@
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 #include "burnish/surface/local_repair.h"
+#include "burnish/surface/shells.h"
 #include "burnish/surface/triangle_index.h"
 #include "burnish/surface/weld.h"
 #include "losses.h"
@@ -116,11 +117,7 @@ std::vector<Change> changes_of(const Difference& d, const TriangleSoup& welded, 
       both.facets.push_back(facet);
     }
   both = weld(std::move(both));
-  UnionFind places(both.points.size());
-  for (const Facet& f : both.facets) {
-    places.unite(f[0], f[1]);
-    places.unite(f[1], f[2]);
-  }
+  UnionFind places = connected_points(both);
   std::vector<Change> change_at(both.points.size());
   std::vector<Box3> box_at(both.points.size());
   for (std::size_t f = 0; f < both.facets.size(); ++f) {

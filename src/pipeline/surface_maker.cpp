@@ -114,19 +114,15 @@ const TriangleSoup& SurfaceMaker::make() {
 
 void SurfaceMaker::extract() {
   if (extractor_ != Extractor::delaunay || !extract_by_delaunay()) extract_by_tetrahedra();
-  const SurfaceTopology before = surface_topology(raw_.soup);
-  report_.actions.debris_dropped = leave_out_debris(raw_.soup, prepared_, set_.frame);
-  want_topology(before);
-}
-
-// The level set's, less that of the pieces that were left out.
-void SurfaceMaker::want_topology(const SurfaceTopology& before_sifting) {
   if (!field_) field_ = level_set_topology(set_, progress_);
   wanted_ = {field_->surface_components, field_->genus};
-  if (report_.actions.debris_dropped == 0) return;
-  const SurfaceTopology after = surface_topology(raw_.soup);
-  wanted_.components -= before_sifting.components.size() - after.components.size();
-  wanted_.genus -= before_sifting.genus.value_or(0) - after.genus.value_or(0);
+  const std::vector<Facet> debris = leave_out_debris(raw_.soup, prepared_, set_.frame);
+  report_.actions.debris_dropped = 0;
+  if (debris.empty()) return;
+  const SurfaceTopology dropped = surface_topology({raw_.soup.points, debris, {}});
+  report_.actions.debris_dropped = dropped.components.size();
+  wanted_.components -= dropped.components.size();
+  wanted_.genus -= dropped.genus.value_or(0);
 }
 
 bool SurfaceMaker::extract_by_delaunay() {
@@ -137,6 +133,7 @@ bool SurfaceMaker::extract_by_delaunay() {
     use_tetrahedra(surface.failure);
     return false;
   }
+  field_ = surface.wanted;
   raw_ = {std::move(surface.soup), {}, 0};
   return true;
 }

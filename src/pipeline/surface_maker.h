@@ -49,7 +49,6 @@ class SurfaceMaker {
   void choose_extractor();
   DelaunayOptions delaunay_options() const;
   SharpenOptions sharpen_options() const;
-  void want_topology(const SurfaceTopology& before_sifting);
   void extract();
   bool extract_by_delaunay();
   void extract_by_tetrahedra();
