@@ -1,5 +1,6 @@
 // What sharpening has moved goes back, place by place, until the surface does not meet itself. [T-SHARP-9]
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <unordered_set>
 #include <utility>
@@ -13,10 +14,12 @@ namespace {
 
 constexpr int kMostRounds = 24;
 constexpr double kFar = 0.2;      // cells: points that have moved less are not suspected at first
-constexpr double kBucket = 2;     // cells
 constexpr std::uint8_t kOnM = 3;  // steps back
 
 using Indices = std::vector<std::uint32_t>;
+using Pairs = std::vector<std::array<std::uint32_t, 2>>;  // of facets
+
+void append(Indices& to, const Indices& more) { to.insert(to.end(), more.begin(), more.end()); }
 
 void make_unique(Indices& indices) {
   std::sort(indices.begin(), indices.end());
@@ -25,39 +28,49 @@ void make_unique(Indices& indices) {
 
 class Settler {
  public:
-  explicit Settler(detail::SharpeningState& state) : mesh_(state.mesh), points_(state.points), steps_(state.steps_back), before_(state.before), edits_(state.edits) {}
+  explicit Settler(detail::SharpeningState& state) : mesh_(state.mesh), points_(state.points), steps_(state.steps_back), before_(state.before), edits_(state.edits) {
+    for (const Facet& f : mesh_.facets)
+      for (std::size_t i = 0; i < 3; ++i) bucket_ = std::max(bucket_, norm(mesh_.start[f[(i + 1) % 3]] - mesh_.start[f[i]]));
+  }
 
   Indices run(Progress& progress) { return run(suspects(), progress); }
 
   // These facets alone are suspected at first.
   Indices run(Indices facets, Progress& progress) {
-    Indices broken;
-    for (int round = 0; round < kMostRounds; ++round) {
+    Pairs broken;
+    for (int round = 0;; ++round) {
       progress.check();
       broken = intersecting(facets, progress);
-      const Indices wrong = broken.empty() ? points_of(misnested()) : points_of(broken);
-      if (wrong.empty()) return {};
-      const Indices changed = step_back_around(wrong);
-      if (changed.empty()) return wrong;
+      if (broken.empty())
+        for (const std::uint32_t f : misnested()) broken.push_back({f, f});
+      if (broken.empty()) return {};
+      Indices changed = round < kMostRounds ? step_back_around(broken) : Indices{};
+      if (changed.empty()) return points_of(facets_of(broken));
+      // What could not change is looked at again, too.
+      append(changed, points_of(facets_of(broken)));
       facets = facets_near(facets_at(changed));
     }
-    return points_of(broken);
   }
 
   // Half the way, three quarters, then all of it; then the mesh around is what it was before its shape was improved; then their neighbours go.
   // Returns the points that changed.
-  Indices step_back_around(const Indices& points) {
-    Indices changed = step_back(points);
-    if (changed.empty()) changed = undo_edits(facets_at(points));
-    if (changed.empty()) changed = step_back(points_of(facets_at(points)));
+  Indices step_back_around(const Pairs& broken) {
+    Indices on_m;
+    for (const auto& [f, g] : broken)
+      if (is_on_m(f) && is_on_m(g)) on_m.insert(on_m.end(), {f, g});
+    Indices changed = step_back(points_of(facets_of(broken)));
+    if (on_m.empty()) return changed;
+    const Indices around = facets_at(points_of(on_m));
+    Indices more = undo_edits(around);
+    if (more.empty()) more = put_on_m(points_of(around));
+    append(changed, more);
     return changed;
   }
 
   // All of that at once.
   Indices take_back(const Indices& points) {
     Indices changed = undo_edits(facets_at(points));
-    const Indices moved = put_on_m(points);
-    changed.insert(changed.end(), moved.begin(), moved.end());
+    append(changed, put_on_m(points));
     if (changed.empty()) changed = put_on_m(points_of(facets_at(points)));
     make_unique(changed);
     return changed;
@@ -109,18 +122,22 @@ class Settler {
   }
 
  private:
+  // What is near to points of creases, points that have moved, and facets that are not M's.
   Indices suspects() const {
     Indices points;
     for (std::uint32_t p = 0; p < points_.size(); ++p)
       if (mesh_.on_crease(p) || squared_norm(points_[p] - mesh_.start[p]) > kFar * kFar) points.push_back(p);
-    return facets_at(points);
+    Indices facets = facets_at(points);
+    for (std::uint32_t f = 0; f < before_.size(); ++f)
+      if (mesh_.facets[f] != before_[f] && !detail::is_gone(mesh_.facets[f])) facets.push_back(f);
+    return facets_near(facets);
   }
 
   // Visits the buckets of the lattice that a facet's box touches, until one is what is looked for.
   template <class Visit>
   bool any_bucket(std::uint32_t f, Visit&& visit) const {
     const Vec3 &a = points_[mesh_.facets[f][0]], &b = points_[mesh_.facets[f][1]], &c = points_[mesh_.facets[f][2]];
-    const auto bucket = [](double x) { return static_cast<std::int64_t>(std::floor(x / kBucket)); };
+    const auto bucket = [this](double x) { return static_cast<std::int64_t>(std::floor(x / bucket_)); };
     const auto first = [&](double Vec3::*x) { return bucket(std::min({a.*x, b.*x, c.*x})); };
     const auto last = [&](double Vec3::*x) { return bucket(std::max({a.*x, b.*x, c.*x})); };
     for (std::int64_t i = first(&Vec3::x); i <= last(&Vec3::x); ++i)
@@ -130,14 +147,19 @@ class Settler {
     return false;
   }
 
-  Indices intersecting(const Indices& facets, Progress& progress) const {
+  Pairs intersecting(const Indices& facets, Progress& progress) const {
     TriangleSoup part{points_, {}, {}};
     for (const std::uint32_t f : facets) part.facets.push_back(mesh_.facets[f]);
-    Indices found;
-    for (const auto& pair : self_intersecting_pairs(part, progress))
-      for (const std::uint32_t i : pair) found.push_back(facets[i]);
-    make_unique(found);
+    Pairs found = self_intersecting_pairs(part, progress);
+    for (auto& [f, g] : found) f = facets[f], g = facets[g];
     return found;
+  }
+
+  static Indices facets_of(const Pairs& pairs) {
+    Indices facets;
+    for (const auto& pair : pairs) facets.insert(facets.end(), pair.begin(), pair.end());
+    make_unique(facets);
+    return facets;
   }
 
   // Returns those that were elsewhere.
@@ -150,6 +172,11 @@ class Settler {
     return changed;
   }
 
+  bool is_on_m(std::uint32_t f) const {
+    const Facet& c = mesh_.facets[f];
+    return std::all_of(c.begin(), c.end(), [&](std::uint32_t p) { return steps_[p] == kOnM || points_[p] == mesh_.start[p]; });
+  }
+
   Indices step_back(const Indices& points) {
     Indices changed;
     for (const std::uint32_t p : points) {
@@ -160,23 +187,56 @@ class Settler {
     return changed;
   }
 
-  // Facets that were changed together go back together, and their points to M.
+  // Facets that were changed together go back together, and their points to M. [T-SHARP-9]
   Indices undo_edits(const Indices& facets) {
+    Indices changed, next = facets;
+    while (!next.empty()) {
+      const Indices restored = restore(next, changed);
+      next = at_crowded_edges(restored);
+    }
+    make_unique(changed);
+    put_on_m(changed);
+    return changed;
+  }
+
+  // The clusters of these facets. Returns the facets that are restored, and adds the points of what was there and of what is now.
+  Indices restore(const Indices& facets, Indices& changed) {
     std::unordered_set<std::uint32_t> clusters;
     for (const std::uint32_t f : facets)
       if (mesh_.facets[f] != before_[f]) clusters.insert(edits_.find(f));
-    Indices changed, restored;
+    Indices restored;
     for (std::uint32_t f = 0; f < before_.size() && !clusters.empty(); ++f) {
       if (mesh_.facets[f] == before_[f] || !clusters.contains(edits_.find(f))) continue;
       if (!detail::is_gone(mesh_.facets[f])) changed.insert(changed.end(), mesh_.facets[f].begin(), mesh_.facets[f].end());
       mesh_.facets[f] = before_[f];
       restored.push_back(f);
     }
-    const Indices points = points_of(restored);
-    changed.insert(changed.end(), points.begin(), points.end());
-    make_unique(changed);
-    put_on_m(changed);
-    return changed;
+    append(changed, points_of(restored));
+    return restored;
+  }
+
+  // Facets at edges of these that have more than two: another change has made the edge that is back now, or would not have been made beside it.
+  Indices at_crowded_edges(const Indices& restored) const {
+    struct Use {
+      std::array<std::uint32_t, 2> edge;
+      std::uint32_t facet;
+      auto operator<=>(const Use&) const = default;
+    };
+    std::vector<Use> uses;
+    if (restored.empty()) return {};
+    for (const std::uint32_t f : facets_at(points_of(restored)))
+      for (std::size_t i = 0; i < 3; ++i) {
+        const std::uint32_t a = mesh_.facets[f][i], b = mesh_.facets[f][(i + 1) % 3];
+        uses.push_back({{std::min(a, b), std::max(a, b)}, f});
+      }
+    std::sort(uses.begin(), uses.end());
+    Indices crowded;
+    for (std::size_t i = 0, j; i < uses.size(); i = j) {
+      for (j = i; j < uses.size() && uses[j].edge == uses[i].edge; ++j) {}
+      if (j - i > 2)
+        for (std::size_t k = i; k < j; ++k) crowded.push_back(uses[k].facet);
+    }
+    return crowded;
   }
 
   detail::SharpenMesh& mesh_;
@@ -184,6 +244,7 @@ class Settler {
   std::vector<std::uint8_t>& steps_;
   const std::vector<Facet>& before_;
   UnionFind& edits_;
+  double bucket_ = 2;  // cells; no facet is longer
 };
 
 }  // namespace

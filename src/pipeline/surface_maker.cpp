@@ -18,7 +18,7 @@ constexpr double kDistancePerEdge = 0.1;                  // of Delaunay facets,
 constexpr double kLeastDistance = 0.02;                   // cells
 constexpr double kReachPerEdge = 1.5;
 constexpr int kSharpeningRounds = 2;
-constexpr int kSharpenedRounds = 6;                       // of mending; then the surface stays as it was extracted
+constexpr int kSharpenedRounds = 4;                       // of mending; then the surface stays as it was extracted
 constexpr double kShortestNoisyCrease = 8;                // mean edges
 
 std::vector<std::vector<Vec3>> polylines(const TriangleSoup& surface, const Creases& creases) {
@@ -173,7 +173,9 @@ bool SurfaceMaker::mend(const std::vector<std::uint32_t>& facets) {
 
 void SurfaceMaker::give_up_sharpening() {
   report_.warnings.push_back("creases were not cut into the result: it would have met itself there");
-  report_.surface.sharpened = false;
+  SurfaceSummary& told = report_.surface;
+  told.sharpened = false;
+  told.points_moved = told.edges_cut = told.points_kept = 0;
   reference_ = nullptr;
   sharpening_.reset();
   sharpened_ = {};
