@@ -2,11 +2,11 @@
 //
 // Three methods, for three kinds of solid:
 //
-//   exact   a closed triangle surface: facets are clipped to cells, and what is inside is measured by the divergence theorem, once per dimension.
-//           The sum over a mesh that holds the solid is the solid's volume to rounding.                                        [T-VOF-1]
-//   linear  a signed distance: cells are divided around the surface and tetrahedra cut by the linear interpolant, until an estimate of what is
-//           missed is below the tolerance. Second order in the cell.                                                           [T-VOF-4]
-//   curved  the same, but a cell is cut by the tangent plane of the surface and corrected by its curvature: third order.       [T-VOF-5]
+//   exact   a closed triangle surface: each facet is clipped to the cell and takes away what lies in its shadow, seen from a point in the cell. The
+//           sum over a mesh that holds the solid is the solid's volume to rounding.                                                    [T-VOF-1]
+//   linear  a signed distance: tetrahedra of cells are cut by the linear interpolant of phi and corrected by its quadratic part, and divided where
+//           that is not enough (edges, thin walls). Third order for smooth phi.                                                        [T-VOF-4]
+//   curved  the same, but a cell is cut by the tangent plane of the surface and corrected by its curvature: third order.               [T-VOF-5]
 //
 // All results are in [0, 1]; exactly 0 and 1 where the surface does not pass through. Cells are what polyhedral_mesh.h says. Same bits for any number of threads.
 // Coordinates are the mesh's, whatever its unit.
@@ -31,8 +31,10 @@ struct VolumeFractions {
   double worst_clamp = 0;            // by how much
 };
 
-// `solid`: welded, closed (is_closed_chain), without self-intersections, oriented outwards. Throws Error{usage} if it is not closed. Cost: 1 us per
-// pair of a facet and a cell whose boxes overlap, 50 ns a cell elsewhere.
+// `solid`: welded, closed (is_closed_chain), without self-intersections, oriented outwards. Throws Error{usage} if it is not closed.
+// Any position is as good as any other: facets in the planes of faces, edges through points of the mesh, several bodies, cavities and bodies within one cell.
+// Error of alpha: about 1e-15 x coordinates / size of the cell; of the total, relative, below 1e-12 (tested on every kind of mesh).
+// A million hexahedra and a ball of 80,000 facets: 0.55 s of CPU time.
 VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const TriangleSoup& solid,
                                        Progress& progress = no_progress());
 
@@ -40,7 +42,7 @@ VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeo
 struct SolidField {
   // phi at points: > 0 inside, a distance near the surface; beyond `band` of the surface only its sign and that it is farther are known.
   std::function<void(std::span<const Vec3> points, double* phi)> distance;
-  double band = 0;
+  double band = 0;  // at least the radius of cells at the surface, better twice that: shorter ones cost divisions, and may miss small bodies
   // The surface's closest point, outward normal, principal curvatures (positive where convex) and directions; false where there is none.
   struct Front {
     Vec3 foot, normal, direction1, direction2;
@@ -51,14 +53,17 @@ struct SolidField {
 };
 
 struct FractionOptions {
-  double tolerance = 1e-3;   // linear: of a mixed cell's volume; what a further division would change
+  double tolerance = 1e-3;   // linear: of a mixed cell's volume; by how much two ways of cutting may differ before it is divided
   int deepest = 4;           // linear: divisions of a cell's tetrahedra, by eight each
 };
 
+// Measured for a ball of R/h = 6, 12, 24 with exact phi, relative error of the volume: 1e-5, 2e-6, 6e-8 on hexahedra, 3e-5 and 1e-8 (6, 12) on tetrahedra. Calls `distance` with
+// thousands of points at a time: once for the middle of every cell, then 60 (smooth) to 200 times for each mixed hexahedron. A million hexahedra: 0.8 s besides.
 VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
                                         const FractionOptions& options = {}, Progress& progress = no_progress());
 
-// Cells in which no front is found (kinks), or whose curvature times diameter exceeds 1, are cut by the linear method. [T-VOF-5]
+// Cells in which no front is found (kinks), or whose curvature times diameter exceeds 1, or whose points are not where it says, are cut by the linear method. [T-VOF-5]
+// Relative errors as above: 2e-5, 1e-7, 5e-8 on hexahedra, 7e-6, 9e-7, 7e-8 on tetrahedra. Calls `front` once and `distance` 7 times for each mixed hexahedron.
 VolumeFractions curved_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
                                         const FractionOptions& options = {}, Progress& progress = no_progress());
 
