@@ -32,6 +32,10 @@ class BoxTree {
   template <class Visit>
   void pairs_from_leaves(std::size_t begin, std::size_t end, Visit&& visit) const;
 
+  // Calls visit(f) for each facet whose box meets `box`, in the tree's order.
+  template <class Visit>
+  void facets_meeting(const Box3& box, Visit&& visit) const;
+
  private:
   std::size_t first(int level, std::size_t node) const { return (facets_.size() * node) >> level; }
   static std::size_t slot(int level, std::size_t node) { return (std::size_t{1} << level) - 1 + node; }
@@ -73,6 +77,28 @@ void BoxTree::pairs_from_leaves(std::size_t begin, std::size_t end, Visit&& visi
     const Box3& box = node_box(depth_, leaf);
     for (const std::size_t other : near)
       if (other >= leaf && boxes_meet(box, node_box(depth_, other)) && !pairs_of_leaves(leaf, other, visit)) return;
+  }
+}
+
+template <class Visit>
+void BoxTree::facets_meeting(const Box3& box, Visit&& visit) const {
+  struct Node {
+    int level;
+    std::size_t number;
+  };
+  Node stack[80];  // the depth is at most 30, and each step pushes one
+  int size = 0;
+  stack[size++] = {0, 0};
+  while (size > 0) {
+    const auto [level, number] = stack[--size];
+    if (!boxes_meet(box, node_box(level, number))) continue;
+    if (level < depth_) {
+      stack[size++] = {level + 1, 2 * number + 1};
+      stack[size++] = {level + 1, 2 * number};
+      continue;
+    }
+    for (std::size_t i = first(depth_, number); i < first(depth_, number + 1); ++i)
+      if (boxes_meet(box, boxes_[i])) visit(facets_[i]);
   }
 }
 

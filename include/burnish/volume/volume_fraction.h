@@ -2,8 +2,8 @@
 //
 // Three methods, for three kinds of solid:
 //
-//   exact   a closed triangle surface: facets are clipped to cells, and what is inside is measured by the divergence theorem, once per dimension.
-//           The sum over a mesh that holds the solid is the solid's volume to rounding.                                        [T-VOF-1]
+//   exact   a closed triangle surface: each facet is clipped to the cell and takes away what lies in its shadow, seen from a point in the cell. The
+//           sum over a mesh that holds the solid is the solid's volume to rounding.                                                    [T-VOF-1]
 //   linear  a signed distance: cells are divided around the surface and tetrahedra cut by the linear interpolant, until an estimate of what is
 //           missed is below the tolerance. Second order in the cell.                                                           [T-VOF-4]
 //   curved  the same, but a cell is cut by the tangent plane of the surface and corrected by its curvature: third order.       [T-VOF-5]
@@ -31,8 +31,9 @@ struct VolumeFractions {
   double worst_clamp = 0;            // by how much
 };
 
-// `solid`: welded, closed (is_closed_chain), without self-intersections, oriented outwards. Throws Error{usage} if it is not closed. Cost: 1 us per
-// pair of a facet and a cell whose boxes overlap, 50 ns a cell elsewhere.
+// `solid`: welded, closed (is_closed_chain), without self-intersections, oriented outwards. Throws Error{usage} if it is not closed.
+// Any position is as good as any other: facets in the planes of faces, edges through points of the mesh, several bodies, cavities and bodies within one cell.
+// Error of alpha: about 1e-15 x coordinates / size of the cell; of the total, relative, 1e-12 (measured: 1e-14 and below, on every kind of mesh).
 VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const TriangleSoup& solid,
                                        Progress& progress = no_progress());
 

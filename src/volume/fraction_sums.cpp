@@ -1,0 +1,42 @@
+#include "fraction_sums.h"
+
+#include <algorithm>
+
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kRounding = 1e-9;
+constexpr std::size_t kGrain = 4096;
+
+struct Sums {
+  double volume = 0, worst = 0;
+  std::size_t clamped = 0;
+};
+
+Sums clamp_range(const CellGeometry& geometry, std::vector<double>& alpha, std::size_t begin, std::size_t end) {
+  Sums sums;
+  for (std::size_t c = begin; c < end; ++c) {
+    const double inside = std::clamp(alpha[c], 0.0, 1.0), outside = std::abs(alpha[c] - inside);
+    if (outside > kRounding) ++sums.clamped;
+    sums.worst = std::max(sums.worst, outside);
+    alpha[c] = inside;
+    sums.volume += inside * geometry.volume[c];
+  }
+  return sums;
+}
+
+}  // namespace
+
+void clamp_and_sum(const CellGeometry& geometry, VolumeFractions& result) {
+  const Sums sums = parallel_reduce(
+      result.alpha.size(), kGrain, Sums{},
+      [&](std::size_t begin, std::size_t end) { return clamp_range(geometry, result.alpha, begin, end); },
+      [](const Sums& a, const Sums& b) { return Sums{a.volume + b.volume, std::max(a.worst, b.worst), a.clamped + b.clamped}; });
+  result.volume = sums.volume;
+  result.clamped = sums.clamped;
+  result.worst_clamp = sums.clamped > 0 ? sums.worst : 0;
+}
+
+}  // namespace burnish
