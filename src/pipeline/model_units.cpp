@@ -40,13 +40,13 @@ UnitsCheck check_units(const Box3& solid, const Box3& mesh, double scale) {
   UnitsCheck result;
   const double ratio = solid.diagonal() / mesh.diagonal();
   const bool apart = !meet(solid, mesh);
-  if (!apart && ratio >= kSmall && ratio <= kLarge) return result;
-  const std::optional<double> other = scale_that_fits(solid, mesh);
+  const bool strange = ratio < kSmall || ratio > kLarge;  // else it is only in another place
+  const std::optional<double> other = strange ? scale_that_fits(solid, mesh) : std::nullopt;
   const std::string way_out = other ? fmt::format("if its unit is another, --scale {:g} would fit", *other * scale) : "";
   const std::string boxes = fmt::format("the model is in {}, the mesh in {}", text_of(solid), text_of(mesh));
   if (apart)
     result.failure = Error(ErrorCode::guarantee_unmet, "the model and the mesh do not overlap: " + boxes, other ? way_out : "move the model, or name another --case or --region");
-  else if (ratio > kLarge || other)
+  else if (ratio > kLarge || other)  // a small one without another unit may be meant
     result.warning = fmt::format("the model is {:.3g} times as large as the mesh: {}{}{}", ratio, boxes, other ? "; " : "", way_out);
   return result;
 }

@@ -118,7 +118,8 @@ struct InitialConditionResult {
 //
 // The signed distance is that to the repaired surface at the cells' centres (OpenFOAM's), exact, positive in the phase.
 //
-// Level sets of the linear and curved methods have cells of half the side of the smallest cell that the surface passes through, as far as memory allows.
+// Level sets of the linear and curved methods have cells of a quarter and half the side of the smallest cell that the surface passes through, as far as
+// memory allows.
 //
 // An input that bounds no solid, and one that does not meet the mesh, comes back as `failure`, and nothing is written. Throws Error as `clean` and
 // read_foam_mesh do; Error{usage} for a patch that does not exist.
