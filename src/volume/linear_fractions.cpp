@@ -1,4 +1,4 @@
-// Tetrahedra cut by the linear interpolant, divided in eight as long as that matters. [T-VOF-4]
+// Tetrahedra cut by the interpolant of a distance, divided in eight as long as that matters. [T-VOF-4]
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "cell_tetrahedra.h"
 #include "fraction_sums.h"
 #include "linear_cut.h"
+#include "tetrahedron_share.h"
 
 namespace burnish {
 namespace {
@@ -15,15 +16,10 @@ namespace {
 constexpr std::size_t kCellsPerBatch = 64;
 using Tetrahedron = CellTetrahedra::Tetrahedron;
 
-// Edges of a tetrahedron, by corners; and its eight parts, by corners (0 to 3) and middles of edges (4 + edge): the corners, and the octahedron
-// between them around its diagonal from 02 to 13 (Bey 1995).
-constexpr std::array<std::array<std::size_t, 2>, 6> kEdges{{{0, 1}, {0, 2}, {0, 3}, {1, 2}, {1, 3}, {2, 3}}};
+// The eight parts of a tetrahedron, by corners (0 to 3) and middles of edges (4 + edge): the corners, and the octahedron between them around its
+// diagonal from 02 to 13 (Bey 1995).
 constexpr std::array<std::array<std::size_t, 4>, 8> kParts{
     {{0, 4, 5, 6}, {1, 4, 7, 8}, {2, 5, 7, 9}, {3, 6, 8, 9}, {5, 8, 4, 6}, {5, 8, 6, 9}, {5, 8, 9, 7}, {5, 8, 7, 4}}};
-
-double share(const std::vector<double>& phi, const std::array<std::uint32_t, 4>& corner) {
-  return positive_share(phi[corner[0]], phi[corner[1]], phi[corner[2]], phi[corner[3]]);
-}
 
 // One batch of cells, division by division.
 class BatchCut {
@@ -48,15 +44,18 @@ class BatchCut {
   void set_aside_whole() {
     std::erase_if(cells_.tetrahedra, [&](const Tetrahedron& t) {
       const int sign = whole(t);
-      if (sign > 0) inside_[t.slot] += t.volume;
-      else is_full_[t.slot] = 0;
+      if (sign != 0) add_share(t, sign > 0 ? 1.0 : 0.0);
       return sign != 0;
     });
+  }
+  void add_share(const Tetrahedron& t, double share) {
+    inside_[t.slot] += t.volume * share;
+    if (share < 1) is_full_[t.slot] = 0;
   }
   // [T-VOF-6] +1 inside, -1 outside, 0 unknown.
   int whole(const Tetrahedron& t) const {
     double longest = 0, least = INFINITY, most = -INFINITY;
-    for (const auto& [i, j] : kEdges) longest = std::max(longest, squared_norm(cells_.points[t.corner[i]] - cells_.points[t.corner[j]]));
+    for (const auto& [i, j] : kTetrahedronEdges) longest = std::max(longest, squared_norm(cells_.points[t.corner[i]] - cells_.points[t.corner[j]]));
     for (const std::uint32_t p : t.corner) {
       least = std::min(least, cells_.phi[p]);
       most = std::max(most, cells_.phi[p]);
@@ -72,7 +71,7 @@ class BatchCut {
   void add_middles() {
     edges_.clear();
     for (const Tetrahedron& t : cells_.tetrahedra)
-      for (const auto& [i, j] : kEdges) edges_.push_back(edge(t.corner[i], t.corner[j]));
+      for (const auto& [i, j] : kTetrahedronEdges) edges_.push_back(edge(t.corner[i], t.corner[j]));
     std::sort(edges_.begin(), edges_.end());
     edges_.erase(std::unique(edges_.begin(), edges_.end()), edges_.end());
     first_middle_ = cells_.points.size();
@@ -91,24 +90,41 @@ class BatchCut {
     for (const Tetrahedron& t : cells_.tetrahedra) {
       std::array<std::uint32_t, 10> at;
       std::copy(t.corner.begin(), t.corner.end(), at.begin());
-      for (std::size_t e = 0; e < 6; ++e) at[4 + e] = middle(t.corner[kEdges[e][0]], t.corner[kEdges[e][1]]);
-      const std::size_t first = next_.size();
-      double fine = 0;
-      for (const auto& [a, b, c, d] : kParts) {
-        next_.push_back({{at[a], at[b], at[c], at[d]}, t.slot, t.volume / 8});
-        fine += share(cells_.phi, next_.back().corner) / 8;
-      }
-      // The error falls to a quarter each time: what is missed still is a third of the last change. [T-VOF-4]
-      const double missed = (fine - share(cells_.phi, t.corner)) / 3;
-      if (level < options_.deepest && (std::abs(missed) > enough || leaves_band(at))) continue;
-      next_.resize(first);
-      inside_[t.slot] += t.volume * std::clamp(fine + missed, 0.0, 1.0);
+      for (std::size_t e = 0; e < 6; ++e) at[4 + e] = middle(t.corner[kTetrahedronEdges[e][0]], t.corner[kTetrahedronEdges[e][1]]);
+      std::array<double, 10> phi;
+      for (std::size_t i = 0; i < 10; ++i) phi[i] = cells_.phi[at[i]];
+      const Cut cut = cut_in_two_ways(phi);
+      const bool is_good = std::abs(cut.quadratic - cut.extrapolated) <= enough && !leaves_band(phi) && !hides_surface(phi);
+      if (is_good || level >= options_.deepest) add_share(t, is_good ? cut.quadratic : cut.in_parts);
+      else for (const auto& [a, b, c, d] : kParts) next_.push_back({{at[a], at[b], at[c], at[d]}, t.slot, t.volume / 8});
     }
     cells_.tetrahedra.swap(next_);
   }
+
+  // [T-VOF-4] The share by phi's linear interpolant and its quadratic part, and by the eight parts, without and with what these miss still.
+  struct Cut {
+    double quadratic, in_parts, extrapolated;
+  };
+  static Cut cut_in_two_ways(const std::array<double, 10>& phi) {
+    const double linear = positive_share(phi[0], phi[1], phi[2], phi[3]);
+    double in_parts = 0;
+    for (const auto& [a, b, c, d] : kParts) in_parts += positive_share(phi[a], phi[b], phi[c], phi[d]) / 8;
+    return {std::clamp(linear + quadratic_share(phi), 0.0, 1.0), in_parts, in_parts + (in_parts - linear) / 3};
+  }
   // Values beyond the band are no distances to interpolate.
-  bool leaves_band(const std::array<std::uint32_t, 10>& at) const {
-    return std::any_of(at.begin(), at.end(), [&](std::uint32_t p) { return std::abs(cells_.phi[p]) >= field_.band; });
+  bool leaves_band(const std::array<double, 10>& phi) const {
+    return std::any_of(phi.begin(), phi.end(), [&](double p) { return std::abs(p) >= field_.band; });
+  }
+  // [T-VOF-4] All points are on one side, but phi bends by more than the surface is off: an edge may come in between.
+  static bool hides_surface(const std::array<double, 10>& phi) {
+    const auto [least, most] = std::minmax_element(phi.begin(), phi.end());
+    if (*least <= 0 && *most > 0) return false;
+    double bend = 0;
+    for (std::size_t e = 0; e < 6; ++e) {
+      const auto [i, j] = kTetrahedronEdges[e];
+      bend = std::max(bend, std::abs(phi[4 + e] - 0.5 * (phi[i] + phi[j])));
+    }
+    return std::min(std::abs(*least), std::abs(*most)) < bend;
   }
 
   const SolidField& field_;
@@ -122,19 +138,6 @@ class BatchCut {
 };
 
 }  // namespace
-
-// [T-VOF-3] Sums of products of numbers of one sign: no cancellation, however near to zero a value is.
-double positive_share(double a, double b, double c, double d) {
-  std::array<double, 4> v{a, b, c, d};
-  std::sort(v.begin(), v.end(), std::greater<>());
-  const auto part = [](double from, double to) { return from / (from - to); };  // of an edge, on the side of `from`
-  if (v[0] <= 0) return 0;
-  if (v[3] > 0) return 1;
-  if (v[1] <= 0) return part(v[0], v[1]) * part(v[0], v[2]) * part(v[0], v[3]);
-  if (v[2] > 0) return 1 - part(v[3], v[0]) * part(v[3], v[1]) * part(v[3], v[2]);
-  const double ac = part(v[0], v[2]), ad = part(v[0], v[3]), bc = part(v[1], v[2]), bd = part(v[1], v[3]);
-  return ac * ad + ac * (1 - ad) * bd + (1 - ac) * bc * bd;
-}
 
 void cut_linearly(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field, const NearCells& near,
                   std::span<const std::uint32_t> cells, const FractionOptions& options, std::vector<double>& alpha, Progress& progress) {

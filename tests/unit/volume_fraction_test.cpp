@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <numbers>
 #include <random>
 #include <string>
@@ -203,6 +204,135 @@ TEST(ExactFractions, OpenSurfaceIsRefused) {
   const Cells cells(hexahedra(cubic_grid({-1, -1, -1}, {1, 1, 1}, 2)));
   EXPECT_THROW(cells.exact(without_facets(icosphere(1), {3})), Error);
   EXPECT_THROW(cells.exact({}), Error);
+}
+
+TEST(PositiveShare, ByHand) {
+  EXPECT_DOUBLE_EQ(positive_share(1, -1, -1, -1), 0.125);
+  EXPECT_DOUBLE_EQ(positive_share(-1, 1, -1, 1), 0.5);
+  EXPECT_DOUBLE_EQ(positive_share(1, 1, -1, 1), 0.875);
+  EXPECT_DOUBLE_EQ(positive_share(-1, -2, 3, -3), 0.75 * 0.6 * 0.5);
+  EXPECT_EQ(positive_share(-1, -2, 0, -3), 0);
+  EXPECT_EQ(positive_share(1, 2, 0.5, 3), 1);
+  EXPECT_EQ(positive_share(0, 0, 0, 0), 0);
+  // Two corners, one of them nearly zero: as one corner.
+  EXPECT_NEAR(positive_share(2, 1e-300, -1, -3), 2.0 / 3 * 2.0 / 5, 1e-15);
+  EXPECT_DOUBLE_EQ(positive_share(1e-6, -1, -1, -1) * 1e18, 1 / std::pow(1 + 1e-6, 3));
+}
+
+TEST(PositiveShare, IsContinuousAndTheRestIsTheNegative) {
+  std::mt19937 random(7);
+  std::uniform_real_distribution<double> value(-1, 1);
+  for (int i = 0; i < 1000; ++i) {
+    const double a = value(random), b = value(random), c = value(random), d = value(random), step = 1e-9;
+    EXPECT_NEAR(positive_share(a, b, c, d) + positive_share(-a, -b, -c, -d), 1, 1e-14);
+    EXPECT_NEAR(positive_share(a, b, c, step), positive_share(a, b, c, -step), 1e-6);
+    EXPECT_LE(positive_share(a, b, c, d), positive_share(a, b, c, d + step) + 1e-15);
+  }
+}
+
+using Distance = std::function<double(const Vec3&)>;
+SolidField field_of(const Distance& distance, double band) {
+  SolidField field;
+  field.band = band;
+  field.distance = [distance, band](std::span<const Vec3> points, double* phi) {
+    for (const Vec3& p : points) *phi++ = std::clamp(distance(p), -band, band);
+  };
+  return field;
+}
+
+// Positive inside [-half, half].
+Distance box_distance(const Vec3& half) {
+  return [half](const Vec3& p) {
+    const Vec3 q{std::abs(p.x) - half.x, std::abs(p.y) - half.y, std::abs(p.z) - half.z};
+    return -norm(max(q, Vec3{})) - std::min(std::max({q.x, q.y, q.z}), 0.0);
+  };
+}
+Distance ball_distance(double radius) {
+  return [radius](const Vec3& p) { return radius - norm(p - Vec3{0.03, -0.02, 0.01}); };
+}
+
+VolumeFractions linear(const Cells& c, const SolidField& field) { return linear_volume_fractions(c.mesh, c.geometry, c.faces, field); }
+
+TEST(LinearFractions, PlaneIsExactOnEveryMesh) {
+  const Vec3 normal = Vec3{0.6, 0.48, 0.64};
+  const Cells one(hexahedra(cubic_grid({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}, 1)));
+  const Distance plane = [&](const Vec3& p) { return dot(normal, p) - 0.17; };
+  const double volume = linear(one, field_of(plane, 99)).volume;
+  for (const NamedMesh& m : all_meshes(5)) expect_volume(linear(m.cells, field_of(plane, 0.8)), volume, m.name);
+}
+
+TEST(LinearFractions, AreZeroAndOneOffTheSurface) {
+  for (const NamedMesh& m : all_meshes(6)) {
+    const VolumeFractions result = linear(m.cells, field_of(ball_distance(1), 0.9));
+    expect_fractions(result);
+    for (std::size_t c = 0; c < m.cells.mesh.cells; ++c) {
+      const double at = ball_distance(1)(m.cells.geometry.middle[c]), reach = norm(m.cells.geometry.box[c].extent());
+      if (std::abs(at) > reach) {
+        ASSERT_EQ(result.alpha[c], at > 0 ? 1.0 : 0.0);
+      }
+    }
+  }
+}
+
+TEST(LinearFractions, BoxWithItsEdgesAndThinWalls) {
+  for (const NamedMesh& m : all_meshes(8)) {
+    SCOPED_TRACE(m.name);
+    const VolumeFractions box = linear(m.cells, field_of(box_distance({0.83, 0.71, 0.6}), 0.8));
+    expect_fractions(box);
+    EXPECT_NEAR(box.volume / (8 * 0.83 * 0.71 * 0.6), 1, 1e-3);
+    // A third of a cell thick.
+    const VolumeFractions wall = linear(m.cells, field_of(box_distance({0.83, 0.71, 0.06}), 0.8));
+    expect_fractions(wall);
+    EXPECT_NEAR(wall.volume / (8 * 0.83 * 0.71 * 0.06), 1, 2e-2);
+  }
+}
+
+TEST(LinearFractions, ComplementHasTheRest) {
+  for (const NamedMesh& m : all_meshes(6)) {
+    const VolumeFractions in = linear(m.cells, field_of(ball_distance(1), 0.8));
+    const VolumeFractions out = linear(m.cells, field_of([](const Vec3& p) { return -ball_distance(1)(p); }, 0.8));
+    for (std::size_t c = 0; c < in.alpha.size(); ++c) ASSERT_NEAR(in.alpha[c] + out.alpha[c], 1, 1e-12) << m.name << " cell " << c;
+  }
+}
+
+TEST(LinearFractions, BandShorterThanCellsIsDividedFor) {
+  const Cells cells(hexahedra(cubic_grid({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}, 5)));
+  const VolumeFractions result = linear(cells, field_of(ball_distance(1), 0.25));  // cells of 0.6
+  expect_fractions(result);
+  EXPECT_NEAR(result.volume / (4 * std::numbers::pi / 3), 1, 1e-3);
+}
+
+TEST(CurvedFractions, KinksAreLeftToTheLinearMethod) {
+  // The closest point on a box, as if all of it were flat.
+  const Vec3 half{0.83, 0.71, 0.6};
+  SolidField field = field_of(box_distance(half), 0.8);
+  field.front = [half](std::span<const Vec3> points, SolidField::Front* fronts) {
+    for (const Vec3& p : points) {
+      const Vec3 q{half.x - std::abs(p.x), half.y - std::abs(p.y), half.z - std::abs(p.z)};
+      const int axis = q.x <= q.y && q.x <= q.z ? 0 : q.y <= q.z ? 1 : 2;
+      SolidField::Front& front = *fronts++;
+      front = {p, {}, {}, {}, 0, 0, true};
+      front.foot[axis] = std::copysign(half[axis], p[axis]);
+      front.normal[axis] = std::copysign(1.0, p[axis]);
+      front.direction1[(axis + 1) % 3] = front.direction2[(axis + 2) % 3] = 1;
+    }
+  };
+  for (const NamedMesh& m : all_meshes(8)) {
+    const VolumeFractions box = curved_volume_fractions(m.cells.mesh, m.cells.geometry, m.cells.faces, field);
+    expect_fractions(box);
+    EXPECT_NEAR(box.volume / (8 * 0.83 * 0.71 * 0.6), 1, 1e-3) << m.name;
+  }
+}
+
+TEST(LinearFractions, SameBitsForAnyNumberOfThreads) {
+  const Cells cells(hexahedra(cubic_grid({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}, 16)));
+  const auto with_threads = [&](int n) {
+    const ThreadLimit limit(n);
+    return linear(cells, field_of(ball_distance(1), 0.5));
+  };
+  const VolumeFractions one = with_threads(1), four = with_threads(4);
+  EXPECT_EQ(one.alpha, four.alpha);
+  EXPECT_EQ(one.volume, four.volume);
 }
 
 }  // namespace
