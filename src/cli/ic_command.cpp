@@ -79,7 +79,7 @@ class IcCommand : public Command {
         {"--json", 0, "", "Case", "Print the result as JSON.", switch_on(json_)},
         {"--invert", 0, "", "Fractions", "The phase is outside the model: 1 there, and 0 inside.", switch_on(job_.invert)},
         {"--method", 0, "M", "Fractions",
-         "'exact' (as 'auto', the default): facets clipped to cells; 'linear' and 'curved': of a level set, of second and third order.",
+         "'exact' (as 'auto', the default): facets clipped to cells; 'linear' and 'curved': of a level set, for comparison.",
          [this](const GivenValue& v) { job_.method = one_of<FractionMethod>(v, {"auto", "exact", "linear", "curved"}); }},
         {"--scale", 0, "S", "Fractions", "Multiply the model's coordinates by S, such as 0.001 from millimetres to metres.",
          [this](const GivenValue& v) { job_.scale = positive_number(v); }},

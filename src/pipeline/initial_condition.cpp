@@ -25,9 +25,7 @@ namespace burnish {
 namespace {
 
 constexpr double kWhole = 1e-6;       // relative: a volume in the mesh this near to the solid's is all of it
-// Cells of the level set, in sides of the smallest cell of the mesh that the surface passes through. Interpolating distances linearly is off by an eighth of
-// curvature times their square; fronts are of fourth order.
-constexpr double kLinearCell = 0.25, kCurvedCell = 0.5;
+constexpr double kLevelSetCell = 0.5;  // of the level set, in sides of the smallest cell of the mesh that the surface passes through
 constexpr double kCoarsened = 1.25;   // by how much a cell that does not fit the memory grows at a time
 constexpr std::string_view kFractionDimensions = "[0 0 0 0 0 0 0]", kLengthDimensions = "[0 1 0 0 0 0 0]";
 
@@ -148,7 +146,7 @@ class InitialConditionRun {
       reach = std::max(reach, geometry_.box[c].diagonal());
     }
     if (job_.options.cell) return job_.scale * job_.options.cell->in_model_units(result_.before.box.diagonal(), 1);
-    double cell = (method_ == FractionMethod::linear ? kLinearCell : kCurvedCell) * std::cbrt(smallest);
+    double cell = kLevelSetCell * std::cbrt(smallest);
     const double wanted = cell;
     while (solid_level_set_bytes(surface_, cell, reach) > job_.options.memory_bytes) cell *= kCoarsened;
     if (cell > wanted) warn(fmt::format("the level set has cells of {:.4g}, not of {:.4g}, to stay within the memory budget: raise --memory", cell, wanted));

@@ -12,7 +12,7 @@ namespace burnish {
 
 struct SolidLevelSet {
   std::shared_ptr<const LevelSet> set;
-  SolidField field;  // of it: distances by trilinear interpolation, fronts of fourth order
+  SolidField field;  // of it: distances by cubic interpolation, fronts of fourth order
 };
 
 // Of a closed surface. `cell`: the level set's; `reach`: how far from the surface distances have to be known, as lengths.

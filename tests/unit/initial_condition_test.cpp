@@ -147,8 +147,8 @@ TEST(InitialCondition, LevelSetsComeNear) {
   f.job.dry_run = true;
   f.job.method = FractionMethod::linear;
   const InitialConditionResult linear = initial_condition(f.job);
-  EXPECT_NEAR(linear.alpha.cell, 0.25 * 2 / kCells, 1e-12);
-  EXPECT_NEAR(linear.alpha.volume, linear.alpha.in_mesh, 2e-3 * linear.alpha.in_mesh);
+  EXPECT_NEAR(linear.alpha.cell, 0.5 * 2 / kCells, 1e-12);
+  EXPECT_NEAR(linear.alpha.volume, linear.alpha.in_mesh, 1e-3 * linear.alpha.in_mesh);
   f.job.method = FractionMethod::curved;
   const InitialConditionResult curved = initial_condition(f.job);
   EXPECT_NEAR(curved.alpha.volume, curved.alpha.in_mesh, 2e-4 * curved.alpha.in_mesh);

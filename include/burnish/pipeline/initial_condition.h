@@ -18,8 +18,8 @@ namespace burnish {
 enum class FractionMethod {
   automatic,  // exact
   exact,      // facets are clipped to cells
-  linear,     // of a level set built of the facets: second order
-  curved,     // of the same: third order where the surface is smooth
+  linear,     // of a level set built of the facets: tetrahedra cut by the linear interpolant and corrected; third order where the distance is smooth
+  curved,     // of the same: cut by tangent planes and corrected by the curvature; third order where the surface is smooth
 };
 
 std::string_view name(FractionMethod method);  // "auto", "exact", "linear", "curved"
@@ -118,8 +118,8 @@ struct InitialConditionResult {
 //
 // The signed distance is that to the repaired surface at the cells' centres (OpenFOAM's), exact, positive in the phase.
 //
-// Level sets of the linear and curved methods have cells of a quarter and half the side of the smallest cell that the surface passes through, as far as
-// memory allows.
+// Level sets of the linear and curved methods have cells of half the side of the smallest cell that the surface passes through, as far as memory allows; distances
+// are interpolated by cubic polynomials.
 //
 // An input that bounds no solid, and one that does not meet the mesh, comes back as `failure`, and nothing is written. Throws Error as `clean` and
 // read_foam_mesh do; Error{usage} for a patch that does not exist.
