@@ -97,7 +97,7 @@ class ExactFractions {
   }
 
  private:
-  enum Touch : char { kFar, kNear, kCut };  // no facet's box, some box, a facet meets the cell
+  enum Touch : char { kFar, kNear, kCut };  // no facet can meet the cell, one may, one does
   struct Scratch {
     std::vector<std::uint32_t> facets;
     CellCones cones;
@@ -110,9 +110,20 @@ class ExactFractions {
     return all;
   }
 
+  // Whether a box is on both sides of a facet's plane, or may be but for rounding. Most boxes that meet that of a large facet are not.
+  bool plane_meets(std::uint32_t f, const Box3& box) const {
+    constexpr double kRounding = 1e-12;
+    const Vec3 &a = solid_.corner(f, 0), normal = cross(solid_.corner(f, 1) - a, solid_.corner(f, 2) - a), to = max(box.upper - a, a - box.lower);
+    const Vec3 size{std::abs(normal.x), std::abs(normal.y), std::abs(normal.z)};
+    return std::abs(dot(normal, box.center() - a)) <= 0.5 * dot(size, box.extent()) + kRounding * dot(size, to);
+  }
+
   void cut_cell(std::uint32_t cell, Scratch& scratch) {
     scratch.facets.clear();
-    tree_.facets_meeting(geometry_.box[cell], [&](std::uint32_t f) { scratch.facets.push_back(f); });
+    const Box3& box = geometry_.box[cell];
+    tree_.facets_meeting(box, [&](std::uint32_t f) {
+      if (plane_meets(f, box)) scratch.facets.push_back(f);
+    });
     if (scratch.facets.empty()) return;
     touched_[cell] = kNear;
     light_[cell] = place_of_light(cell, scratch.facets);

@@ -86,8 +86,8 @@ TEST(LinearFractions, EllipsoidAndTorusConvergeWithOrderThree) {
   const auto ellipsoid = unit_ellipsoid(), torus = unit_torus();
   const double volume = 4 * kPi / 3 * 1.5625 * 1.4 * 1.25;
   for (const Kind kind : {Kind::hexahedra, Kind::tetrahedra, Kind::polyhedra})
-    expect_order(&linear_volume_fractions, *ellipsoid, volume, kind, 12, 2e-5, 3);
-  expect_order(&linear_volume_fractions, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 9, 1e-5, 3);
+    expect_order(&linear_volume_fractions, *ellipsoid, volume, kind, 9, 2e-5, 3);
+  expect_order(&linear_volume_fractions, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 8, 1e-5, 3);
 }
 
 TEST(CurvedFractions, SphereConvergesWithOrderThreeOnEveryMesh) {
@@ -100,8 +100,8 @@ TEST(CurvedFractions, EllipsoidAndTorusConvergeWithOrderThree) {
   const auto ellipsoid = unit_ellipsoid(), torus = unit_torus();
   const double volume = 4 * kPi / 3 * 1.5625 * 1.4 * 1.25;
   for (const Kind kind : {Kind::hexahedra, Kind::tetrahedra, Kind::polyhedra})
-    expect_order(&curved_volume_fractions, *ellipsoid, volume, kind, 12, 2e-5, 3);
-  expect_order(&curved_volume_fractions, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 9, 1e-5, 3);
+    expect_order(&curved_volume_fractions, *ellipsoid, volume, kind, 9, 2e-5, 3);
+  expect_order(&curved_volume_fractions, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 8, 1e-5, 3);
 }
 
 }  // namespace

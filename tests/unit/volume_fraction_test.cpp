@@ -129,6 +129,17 @@ TEST(ExactFractions, FacetsInInnerPlanesAndEdgesThroughPointsAreRight) {
   }
 }
 
+TEST(ExactFractions, LargeFacetsAcrossManyCells) {
+  const TriangleSoup tilted = tetrahedron({-1.4, -1.3, -1.2}, {1.3, -0.9, -1.1}, {0.1, 1.4, -0.8}, {0.2, 0.1, 1.4});
+  const TriangleSoup solid = signed_volume(tilted) > 0 ? tilted : flipped(tilted);
+  for (const NamedMesh& m : all_meshes(9)) expect_volume(m.cells.exact(solid), signed_volume(solid), m.name);
+  const TriangleSoup far = tetrahedron({-100, -100, 0.1}, {0, 100, 0.2}, {100, -100, -0.3}, {0, 0, -100});
+  const Cells cells(hexahedra(cubic_grid({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}, 4)));
+  const Cells fine(hexahedra(cubic_grid({-1.5, -1.5, -1.5}, {1.5, 1.5, 1.5}, 9)));
+  const TriangleSoup plane = signed_volume(far) > 0 ? far : flipped(far);
+  EXPECT_NEAR(cells.exact(plane).volume, fine.exact(plane).volume, 1e-11);
+}
+
 TEST(ExactFractions, SingleCellsByHand) {
   const Cells one(hexahedra(cubic_grid({0, 0, 0}, {1, 1, 1}, 1)));
   // A corner cut off: 1/6 of the cube of its legs.

@@ -33,7 +33,8 @@ struct VolumeFractions {
 
 // `solid`: welded, closed (is_closed_chain), without self-intersections, oriented outwards. Throws Error{usage} if it is not closed.
 // Any position is as good as any other: facets in the planes of faces, edges through points of the mesh, several bodies, cavities and bodies within one cell.
-// Error of alpha: about 1e-15 x coordinates / size of the cell; of the total, relative, 1e-12 (measured: 1e-14 and below, on every kind of mesh).
+// Error of alpha: about 1e-15 x coordinates / size of the cell; of the total, relative, below 1e-12 (tested on every kind of mesh).
+// A million hexahedra and a ball of 80,000 facets: 0.65 s of CPU time.
 VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const TriangleSoup& solid,
                                        Progress& progress = no_progress());
 
@@ -41,7 +42,7 @@ VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeo
 struct SolidField {
   // phi at points: > 0 inside, a distance near the surface; beyond `band` of the surface only its sign and that it is farther are known.
   std::function<void(std::span<const Vec3> points, double* phi)> distance;
-  double band = 0;
+  double band = 0;  // at least the radius of cells at the surface, better twice that: shorter ones cost divisions, and may miss small bodies
   // The surface's closest point, outward normal, principal curvatures (positive where convex) and directions; false where there is none.
   struct Front {
     Vec3 foot, normal, direction1, direction2;
@@ -57,11 +58,12 @@ struct FractionOptions {
 };
 
 // Measured for a ball of R/h = 6, 12, 24 with exact phi, relative error of the volume: 1e-5, 2e-6, 6e-8 on hexahedra, 3e-5 and 1e-8 (6, 12) on tetrahedra. Calls `distance` with
-// thousands of points at a time: once for the middle of every cell, then 50 (smooth) to 150 times for each mixed hexahedron.
+// thousands of points at a time: once for the middle of every cell, then 60 (smooth) to 200 times for each mixed hexahedron. A million hexahedra: 0.8 s besides.
 VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
                                         const FractionOptions& options = {}, Progress& progress = no_progress());
 
-// Cells in which no front is found (kinks), or whose curvature times diameter exceeds 1, are cut by the linear method. [T-VOF-5]
+// Cells in which no front is found (kinks), or whose curvature times diameter exceeds 1, or whose points are not where it says, are cut by the linear method. [T-VOF-5]
+// Relative errors as above: 2e-5, 1e-7, 5e-8 on hexahedra, 7e-6, 9e-7, 7e-8 on tetrahedra. Calls `front` once and `distance` 7 times for each mixed hexahedron.
 VolumeFractions curved_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
                                         const FractionOptions& options = {}, Progress& progress = no_progress());
 
