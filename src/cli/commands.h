@@ -17,6 +17,7 @@ std::unique_ptr<Command> make_check_command();    // burnish check FILE
 std::unique_ptr<Command> make_compare_command();  // burnish compare A B
 std::unique_ptr<Command> make_field_command();    // burnish field FILE
 std::unique_ptr<Command> make_curvature_command();  // burnish curvature FILE
+std::unique_ptr<Command> make_ic_command();       // burnish ic IN --case CASE
 std::unique_ptr<Command> make_example_command();  // burnish example SHAPE -o FILE
 
 struct CommandEntry {

@@ -57,9 +57,9 @@ void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
   report_.output_format = name(output_->format());
 }
 
-bool CleanRun::open() {
+bool CleanRun::open(std::unique_ptr<CleanedOutput> output) {
   read(job_.salvage, job_.options);
-  take_output(std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+  take_output(output ? std::move(output) : std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
   if (!job_.options.region.empty()) region_ = std::make_shared<const Region>(job_.options.region, report_.recentred_by);
   return prepare(job_.options);
 }
@@ -444,7 +444,7 @@ void CleanRun::compare_topology() {
 
 void CleanRun::publish() {
   if (report_.failure && !job_.allow_invalid) return;
-  if (report_.after.facets == 0) return;
+  if (report_.after.facets == 0 || output_->is_scratch()) return;
   begin("writing");
   if (!input_.groups.empty() || !input_.colors.empty()) decorate();
   output_->publish();

@@ -24,14 +24,16 @@ class CleanRun : private SolidRun {
   // A run with other options and another output on the input that `base` has prepared, and on its level set if it shares one.
   CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output);
 
-  // Reads the input, creates the output's temporary file, and prepares the input. False if it bounds no solid: the report says why.
-  bool open();
+  // Reads the input, creates the output's temporary file (unless `output` is given), and prepares the input. False if it bounds no solid: the report says why.
+  bool open(std::unique_ptr<CleanedOutput> output = nullptr);
   // Builds a level set that smoothing by any of these lengths can start from, if the level set is to be smoothed: cells are those of the shortest
   // length, the band and the room those of the longest.
   void share_level_set(const std::vector<Length>& strengths);
   // Repairs, smooths, verifies, measures and publishes.
   void run();
 
+  // The surface as written and read back, welded.
+  TriangleSoup take_result() { return std::move(result_); }
   // To be called last.
   RepairReport take_report();
 

@@ -51,9 +51,14 @@ CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : d
                                        overwrite || to_stdout);
 }
 
+CleanedOutput::CleanedOutput() {
+  options_.format = MeshFormat::ply_binary;
+  file_ = std::make_unique<OutputFile>(fmt::format("{}/burnish-surface-{}.ply", temporary_folder(), getpid()), true);
+}
+
 void CleanedOutput::write(const TriangleSoup& soup) {
   file_->truncate();
-  write_mesh(file_->fd(), destination_, soup, options_);
+  write_mesh(file_->fd(), file_->destination(), soup, options_);
 }
 
 const TriangleSoup& CleanedOutput::write_and_read_back(const TriangleSoup& soup) {

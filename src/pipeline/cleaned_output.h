@@ -22,8 +22,11 @@ class CleanedOutput {
   // `destination` is a path or "-" (standard output, binary STL). Throws Error as OutputFile does, and Error{usage}
   // for a suffix that no format has.
   CleanedOutput(const std::string& destination, bool overwrite);
+  // A scratch file of double precision, which is never published.
+  CleanedOutput();
 
   MeshFormat format() const { return options_.format; }
+  bool is_scratch() const { return destination_.empty(); }
 
   // What is done to a surface in model coordinates before it is written.
   using Finish = std::function<TriangleSoup(TriangleSoup)>;

@@ -18,6 +18,7 @@ HELP = [
     Case("help", 0, r"^Usage: burnish IN", NOTHING),
     Case("help clean", 0, r"^Usage: burnish IN", NOTHING),
     Case("help check", 0, r"^Usage: burnish check FILE", NOTHING),
+    Case("help ic", 0, r"^Usage: burnish ic IN --case CASE", NOTHING),
     Case("help field", 0, r"^Usage: burnish field IN", NOTHING),
     Case("help example", 0, r"^Usage: burnish example", NOTHING),
     Case("check --help", 0, r"^Usage: burnish check FILE", NOTHING),

@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True  # the source tree stays as it is
 import cases
 import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
+import ic_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import runner
 import scenarios
 import smoothing_scenarios  # noqa: F401  (adds to the groups of scenarios)

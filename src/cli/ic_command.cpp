@@ -1,0 +1,146 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <string>
+#include <string_view>
+
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+#include "burnish/core/timer.h"
+#include "burnish/pipeline/initial_condition.h"
+#include "commands.h"
+#include "console.h"
+#include "ic_summary.h"
+#include "report_error.h"
+#include "streams.h"
+#include "values.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::string_view kNotes =
+    R"(The mesh of CASE is read, whatever its cells are; IN is repaired as 'burnish IN'
+does, and clipped to them. A field that exists keeps its boundary conditions;
+else they come from NAME.orig, else they are zeroGradient. Coordinates of IN are
+the mesh's: --scale 0.001 for millimetres.
+
+Examples:
+  burnish ic drop.stl --case damBreak --field alpha.water --overwrite
+  burnish ic drop.stl --case tank --scale 0.001 --dry-run
+  burnish ic bubble.stl --case column --invert --also-phi psi
+  burnish ic scan.stl --case tank --smooth 1% --patch-value inlet=1,top=0
+
+Exit codes: 0 done, 2 usage, 3 input unreadable, 4 output unwritable, 5 the
+input bounds no solid or is not in the mesh, 6 memory limit, 130 interrupted.
+)";
+
+class IcCommand : public Command {
+ public:
+  CommandLine command_line() override {
+    return {"ic",
+            "Writes the volume fractions of a triangle file's solid onto the mesh of an\n"
+            "OpenFOAM case: the initial condition of a two-phase simulation.",
+            {"burnish ic IN --case CASE [--field NAME] [options]"},
+            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            option_table(),
+            kNotes};
+  }
+
+  int run() override {
+    require_consistent();
+    require_plausible_input(job_.input);
+    const ThreadLimit limit(threads_);
+    Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
+    const double start = monotonic_seconds();
+    const InitialConditionResult result = initial_condition(job_, console);
+    console.end_stage();
+    console.warn(result.input, result.warnings);
+    if (json_)
+      write_stdout(to_json(result));
+    else if (!quiet_ && !result.failure)
+      write_stdout(summary_of(result, monotonic_seconds() - start));
+    if (!result.failure) return 0;
+    print_error(*result.failure);
+    return exit_code(result.failure->code());
+  }
+
+ private:
+  std::vector<Option> option_table() {
+    CleanOptions& o = job_.options;
+    return {
+        {"--case", 0, "CASE", "Case", "The folder of the OpenFOAM case.", store_text(job_.case_folder)},
+        {"--field", 0, "NAME", "Case", "Name of the field; alpha.water when not given.", [this](const GivenValue& v) { job_.field = field_name(v); }},
+        {"--also-phi", 0, "NAME", "Case", "Write the signed distance from the surface, too, positive in the phase.", [this](const GivenValue& v) { job_.phi = field_name(v); }},
+        {"--patch-value", 0, "NAME=V,...", "Case", "Fixed values of the field on patches.", [this](const GivenValue& v) { job_.patch_values = patch_values(v); }},
+        {"--time", 0, "T", "Case", "The time folder; when not given, what the case starts from.", [this](const GivenValue& v) { job_.time = time(v); }},
+        {"--region", 0, "NAME", "Case", "The mesh of a region, if the case has several.", [this](const GivenValue& v) { job_.region = field_name(v); }},
+        {"--overwrite", 0, "", "Case", "Replace the values of a field that exists already.", switch_on(job_.overwrite)},
+        {"--dry-run", 0, "", "Case", "Compute and report, and write nothing.", switch_on(job_.dry_run)},
+        {"--json", 0, "", "Case", "Print the result as JSON.", switch_on(json_)},
+        {"--invert", 0, "", "Fractions", "The phase is outside the model: 1 there, and 0 inside.", switch_on(job_.invert)},
+        {"--method", 0, "M", "Fractions",
+         "'exact' (as 'auto', the default): facets clipped to cells; 'linear' and 'curved': of a level set, for comparison.",
+         [this](const GivenValue& v) { job_.method = one_of<FractionMethod>(v, {"auto", "exact", "linear", "curved"}); }},
+        {"--scale", 0, "S", "Fractions", "Multiply the model's coordinates by S, such as 0.001 from millimetres to metres.",
+         [this](const GivenValue& v) { job_.scale = positive_number(v); }},
+        {"--smooth", 0, "L", "Preparation", "Remove waves shorter than L first. The volume is kept.", [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
+        {"--nested", 0, "N", "Preparation", "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
+         [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
+        {"--gap", 0, "L", "Preparation", "Close cracks up to a width of L by joining the points on both sides.", [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+        {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L only; what is open then is refused.", [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
+        {"--cell", 0, "L", "Preparation", "Side of a level set's cells: of --method linear and curved, or, with neither, one to rebuild the surface with.",
+         [&o](const GivenValue& v) {
+           if (v.text != "auto") o.cell = length_without_cells(v);
+         }},
+        {"--salvage", 0, "", "Preparation", "Take what a truncated or malformed file holds.", switch_on(job_.salvage)},
+        {"--threads", 0, "N", "Resources", "Use at most N threads. The result does not depend on it.",
+         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
+        {"--memory", 0, "SIZE", "Resources", "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.", [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
+        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
+        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+    };
+  }
+
+  // A name that is a file's in the time folder, and a word of OpenFOAM.
+  static std::string field_name(const GivenValue& v) {
+    if (v.text.empty() || v.text.find_first_of("/\\\"' \t;{}()$#") != v.text.npos || v.text.front() == '.')
+      throw Error(ErrorCode::usage, fmt::format("{} {}: expected a name such as alpha.water", v.name, v.text), "it is the name of a file in the time folder");
+    return std::string(v.text);
+  }
+
+  static std::string time(const GivenValue& v) {
+    static_cast<void>(non_negative_number(v));
+    return std::string(v.text);
+  }
+
+  static std::vector<PatchValue> patch_values(const GivenValue& v) {
+    std::vector<PatchValue> values;
+    for (std::size_t begin = 0; begin <= v.text.size();) {
+      const std::size_t comma = std::min(v.text.find(',', begin), v.text.size());
+      const std::string_view part = v.text.substr(begin, comma - begin);
+      const std::size_t equals = part.rfind('=');
+      if (equals == part.npos || equals == 0) throw Error(ErrorCode::usage, fmt::format("{} {}: expected NAME=V, found '{}'", v.name, v.text, part), "for example inlet=1,outlet=0");
+      values.push_back({std::string(part.substr(0, equals)), non_negative_number({v.name, part.substr(equals + 1)})});
+      begin = comma + 1;
+    }
+    return values;
+  }
+
+  // Before anything is read.
+  void require_consistent() const {
+    const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    if (job_.case_folder.empty()) refuse("no case: --case names the folder of one", "add --case CASE");
+    if (job_.phi == job_.field) refuse(fmt::format("--field and --also-phi name the same field {}", job_.phi), "give another name to one of them");
+  }
+
+  InitialConditionJob job_;
+  int threads_ = 0;
+  bool json_ = false;
+  bool quiet_ = false;
+};
+
+}  // namespace
+
+std::unique_ptr<Command> make_ic_command() { return std::make_unique<IcCommand>(); }
+
+}  // namespace burnish

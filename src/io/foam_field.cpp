@@ -1,0 +1,218 @@
+// volScalarFields: taken apart, changed and written.
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <charconv>
+#include <cstring>
+
+#include "burnish/io/foam_case.h"
+#include "fd_writer.h"
+#include "foam_file.h"
+
+namespace burnish {
+namespace {
+
+constexpr std::array<std::string_view, 13> kConstraints{"empty", "wedge", "symmetry", "symmetryPlane", "cyclic", "cyclicAMI", "cyclicACMI", "cyclicSlip",
+                                                         "nonuniformTransformCyclic", "processor", "processorCyclic", "overset", "cyclicPeriodicAMI"};
+
+bool is_constraint(std::string_view type) { return std::find(kConstraints.begin(), kConstraints.end(), type) != kConstraints.end(); }
+
+std::string_view view(const char* from, const char* to) { return {from, static_cast<std::size_t>(to - from)}; }
+
+// Conditions may name this one's internalField for their value: with a list of the cells' values they could not.
+std::string without_macro(std::string text, std::string_view old_value) {
+  constexpr std::array<std::string_view, 3> kMacros{"$internalField", "$:internalField", "$..internalField"};
+  if (!old_value.starts_with("uniform")) return text;
+  for (const std::string_view macro : kMacros)
+    for (std::size_t at = text.find(macro); at != text.npos; at = text.find(macro, at + old_value.size())) text.replace(at, macro.size(), old_value);
+  return text;
+}
+
+// The dictionary boundaryField of a text that ends, or begins, in the middle of a file.
+struct Boundary {
+  std::string* text = nullptr;
+  FoamEntry entry;
+  std::vector<FoamEntry> patches;
+};
+
+Boundary boundary_of(FoamField& field) {
+  for (std::string* text : {&field.after, &field.before}) {
+    const Source source{*text, "the field", false, true};
+    const std::vector<FoamEntry> entries = foam_entries(source, *text, field.format);
+    const FoamEntry* found = find_entry(entries, "boundaryField");
+    if (found && found->is_dictionary) return {text, *found, foam_entries(source, found->value, field.format)};
+  }
+  return {};
+}
+
+// Entries of a patch's condition that hold a value of it.
+constexpr std::array<std::string_view, 3> kValues{"value", "inletValue", "outletValue"};
+
+// The body of a patch's condition, with the value.
+std::string condition_with(const FoamField& field, const std::string& body, double value) {
+  const Source source{body, "the field", false, true};
+  const std::string uniform = fmt::format("uniform {}", value);
+  const std::vector<FoamEntry> entries = foam_entries(source, body, field.format);
+  std::string result;
+  const char* copied = body.data();
+  const auto replace = [&](std::string_view part, std::string_view by) {
+    result.append(view(copied, part.data())).append(by);
+    copied = part.data() + part.size();
+  };
+  for (const FoamEntry& e : entries) {
+    if (std::find(kValues.begin(), kValues.end(), e.name) != kValues.end() && !e.is_dictionary) replace(e.value, uniform);
+    if (e.name == "type" && (e.value == "zeroGradient" || e.value == "calculated")) replace(e.value, "fixedValue");
+  }
+  result.append(view(copied, body.data() + body.size()));
+  if (find_entry(entries, "value")) return result;
+  result.resize(result.find_last_not_of(" \t\r\n") + 1);
+  return result + fmt::format("\n        value           {};\n    ", uniform);
+}
+
+// Bytes to a file, gzipped if asked to.
+class FieldSink {
+ public:
+  FieldSink(const OutputFile& file, bool compressed) : label_(file.destination()), out_(file.fd(), label_), compressed_(compressed) {
+    if (compressed_ && deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
+      throw Error(ErrorCode::unwritable_output, label_ + ": cannot be compressed");
+  }
+  ~FieldSink() {
+    if (compressed_) deflateEnd(&stream_);
+  }
+  FieldSink(const FieldSink&) = delete;
+  FieldSink& operator=(const FieldSink&) = delete;
+
+  void put(std::string_view bytes) { compressed_ ? squeeze(bytes, Z_NO_FLUSH) : out_.put(bytes); }
+  void finish() {
+    if (compressed_) squeeze({}, Z_FINISH);
+    out_.flush();
+  }
+
+ private:
+  void squeeze(std::string_view bytes, int flush) {
+    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+    stream_.avail_in = static_cast<uInt>(bytes.size());
+    do {
+      char* to = out_.reserve(FdWriter::kLargest);
+      stream_.next_out = reinterpret_cast<Bytef*>(to);
+      stream_.avail_out = FdWriter::kLargest;
+      deflate(&stream_, flush);
+      out_.commit(FdWriter::kLargest - stream_.avail_out);
+    } while (stream_.avail_out == 0);
+  }
+
+  std::string label_;
+  FdWriter out_;
+  bool compressed_;
+  z_stream stream_{};
+};
+
+constexpr std::size_t kChunk = std::size_t{1} << 16;
+
+void put_text(FieldSink& sink, const std::vector<double>& values) {
+  std::string chunk;
+  for (const double v : values) {
+    std::array<char, 32> digits;
+    chunk.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), v).ptr);
+    chunk += '\n';
+    if (chunk.size() > kChunk) sink.put(chunk), chunk.clear();
+  }
+  sink.put(chunk);
+}
+
+template <class Scalar>
+void put_binary(FieldSink& sink, const std::vector<double>& values) {
+  std::vector<Scalar> chunk;
+  for (std::size_t begin = 0; begin < values.size(); begin += kChunk) {
+    const std::size_t end = std::min(values.size(), begin + kChunk);
+    chunk.assign(end - begin, 0);
+    std::transform(values.begin() + static_cast<std::ptrdiff_t>(begin), values.begin() + static_cast<std::ptrdiff_t>(end), chunk.begin(), [](double v) { return static_cast<Scalar>(v); });
+    sink.put({reinterpret_cast<const char*>(chunk.data()), chunk.size() * sizeof(Scalar)});
+  }
+}
+
+}  // namespace
+
+FoamField read_foam_field(const std::string& path) {
+  const FoamFile file(path);
+  Source source{file.bytes(), file.path(), false, true};
+  const FoamHeader header = foam_header(source, file.compressed());
+  if (header.class_name != "volScalarField") source.fail(fmt::format("expected the class volScalarField, found {}", quoted(header.class_name)), "volume fractions are a scalar field of the cells: name another --field");
+  const std::vector<FoamEntry> entries = foam_entries(source, view(header.end, source.end()), header.format);
+  const FoamEntry* internal = find_entry(entries, "internalField");
+  if (!internal || internal->is_dictionary || internal->value.empty()) source.fail("it has no internalField", "");
+  const FoamEntry* boundary = find_entry(entries, "boundaryField");
+  if (!boundary || !boundary->is_dictionary) source.fail("it has no boundaryField", "");
+  FoamField field;
+  field.format = header.format;
+  field.before = view(source.begin(), internal->name.data() + internal->name.size());
+  const std::size_t limit = std::string_view("uniform").size() + 60;
+  const char* behind = internal->value.data() + internal->value.size();
+  while (behind < source.end() && static_cast<unsigned char>(*behind) <= ' ') ++behind;
+  field.after = view(behind, source.end());
+  if (internal->value.size() < limit) field.after = without_macro(std::move(field.after), internal->value);
+  for (const FoamEntry& e : foam_entries(source, boundary->value, header.format)) field.patches.emplace_back(e.name);
+  return field;
+}
+
+FoamField new_foam_field(const std::string& object, const std::string& dimensions, const std::vector<MeshPatch>& patches, const FoamFormat& format) {
+  FoamField field;
+  field.format = format;
+  const std::string arch = format.binary ? fmt::format("    arch        \"LSB;label={};scalar={}\";\n", 8 * format.label_bytes, 8 * format.scalar_bytes) : "";
+  field.before = fmt::format("FoamFile\n{{\n    version     2.0;\n    format      {};\n{}    class       volScalarField;\n    object      {};\n}}\n\n"
+                             "dimensions      {};\n\ninternalField",
+                             format.binary ? "binary" : "ascii", arch, object, dimensions);
+  field.after = ";\n\nboundaryField\n{\n";
+  for (const MeshPatch& p : patches) {
+    field.after += fmt::format("    {}\n    {{\n        type            {};\n    }}\n", p.name, is_constraint(p.type) ? p.type : "zeroGradient");
+    field.patches.push_back(p.name);
+  }
+  field.after += "}\n";
+  return field;
+}
+
+void set_patch_value(FoamField& field, const std::string& patch, const std::vector<MeshPatch>& patches, double value) {
+  const auto known = std::find_if(patches.begin(), patches.end(), [&](const MeshPatch& p) { return p.name == patch; });
+  if (known == patches.end()) {
+    std::string names;
+    for (const MeshPatch& p : patches) names += (names.empty() ? "" : ", ") + p.name;
+    throw Error(ErrorCode::usage, fmt::format("patch {} is not in the mesh", quoted(patch)), "its patches are " + names);
+  }
+  if (is_constraint(known->type))
+    throw Error(ErrorCode::usage, fmt::format("patch {} is of the type {}, which has no value", patch, known->type), "leave its --patch-value out");
+  const Boundary boundary = boundary_of(field);
+  if (!boundary.text) throw Error(ErrorCode::unreadable_input, "the field has no boundaryField");
+  const auto place = [&](const char* at) { return static_cast<std::size_t>(at - boundary.text->data()); };
+  if (const FoamEntry* entry = find_entry(boundary.patches, patch); entry && entry->is_dictionary) {
+    boundary.text->replace(place(entry->value.data()), entry->value.size(), condition_with(field, std::string(entry->value), value));
+    return;
+  }
+  // What a pattern or an included file says of it gives way to its own name.
+  boundary.text->insert(place(boundary.entry.value.data()) + boundary.entry.value.size(), fmt::format("    {}\n    {{\n        type            fixedValue;\n        value           uniform {};\n    }}\n", patch, value));
+  field.patches.push_back(patch);
+}
+
+void write_foam_field(OutputFile& file, const FoamField& field, const std::vector<double>& values) {
+  FieldSink sink(file, field.format.compressed);
+  sink.put(field.before);
+  const bool uniform = !values.empty() && std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
+  if (uniform) {
+    sink.put(fmt::format("   uniform {}", values.front()));
+  } else {
+    sink.put(fmt::format("   nonuniform List<scalar> \n{}\n(", values.size()));
+    if (!field.format.binary)
+      sink.put("\n"), put_text(sink, values);
+    else
+      field.format.scalar_bytes == 8 ? put_binary<double>(sink, values) : put_binary<float>(sink, values);
+    sink.put(")\n");
+  }
+  sink.put(field.after);
+  sink.finish();
+}
+
+}  // namespace burnish
