@@ -10,7 +10,10 @@ macro(burnish_find_openvdb)
     find_path(OPENVDB_INCLUDE_DIR openvdb/openvdb.h)
     find_library(OPENVDB_LIBRARY openvdb)
     find_package(TBB CONFIG QUIET)
+    # Debian's configuration complains of a part for Python that nobody here asks for.
+    set(CMAKE_MESSAGE_LOG_LEVEL WARNING)
     find_package(Imath CONFIG QUIET)
+    unset(CMAKE_MESSAGE_LOG_LEVEL)
     if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_FOUND AND Imath_FOUND)
       set(BURNISH_HAS_OPENVDB ON)
     elseif(BURNISH_WITH_OPENVDB STREQUAL "ON")
@@ -21,9 +24,13 @@ macro(burnish_find_openvdb)
   endif()
 endmacro()
 
-# Lets a target include OpenVDB's headers and link it.
-function(burnish_link_openvdb target)
+# Lets a target include OpenVDB's headers.
+function(burnish_include_openvdb target)
   target_include_directories(${target} SYSTEM PRIVATE "${OPENVDB_INCLUDE_DIR}")
-  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${OPENVDB_LIBRARY}> $<INSTALL_INTERFACE:openvdb> TBB::tbb Imath::Imath)
   burnish_system_headers(${target} Imath::Imath TBB::tbb)
+endfunction()
+
+# Lets a target link OpenVDB, which changes nothing of how it is compiled.
+function(burnish_link_openvdb target)
+  target_link_libraries(${target} PRIVATE $<BUILD_INTERFACE:${OPENVDB_LIBRARY}> $<INSTALL_INTERFACE:openvdb> $<LINK_ONLY:TBB::tbb> $<LINK_ONLY:Imath::Imath>)
 endfunction()

@@ -212,7 +212,9 @@ class FieldRun : SolidRun {
       curvature = curvature_of_cells(built_.level_set, progress_);
     }
     const bool is_vtu = output_.format() == FieldFormat::vtu;
-    CellChoice choice{.arrays = job_.content.arrays, .at_points = !job_.content.cell_centred};
+    CellChoice choice;
+    choice.arrays = arrays;
+    choice.at_points = !job_.content.cell_centred;
     if (!marks_.empty()) choice.accepted = &marks_;
     if (!curvature.empty()) choice.curvature = &curvature;
     (is_vtu ? choice.within : choice.clamp) = narrow_band();

@@ -22,7 +22,7 @@ constexpr double kMostSamples = 0x1p33;
 constexpr std::size_t kGrain = 256;            // samples, and then blocks
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBlockSide;
 
-float told(double phi, double cell, const std::optional<double>& clamp) {
+float in_model_units(double phi, double cell, const std::optional<double>& clamp) {
   if (clamp) phi = std::clamp(phi, -*clamp, *clamp);
   return static_cast<float>(phi * cell);
 }
@@ -68,7 +68,7 @@ void sample_block(const LevelSet& set, const FieldSamples& samples, const std::a
   const std::uint32_t leaf = tree.find({block(0), block(1), block(2)});
   if (tree.level(leaf) == 0) {
     const float* stored = set.phi.block(leaf);
-    std::transform(stored, stored + kBlockNodes, phi.begin(), [&](float v) { return told(static_cast<double>(v), set.frame.cell, {}); });
+    std::transform(stored, stored + kBlockNodes, phi.begin(), [&](float v) { return in_model_units(static_cast<double>(v), set.frame.cell, {}); });
     return;
   }
   std::vector<Vec3> points(phi.size());
@@ -77,7 +77,7 @@ void sample_block(const LevelSet& set, const FieldSamples& samples, const std::a
     points[static_cast<std::size_t>(n)] = {static_cast<double>(corner[0] + n % kBlockSide), static_cast<double>(corner[1] + n / kBlockSide % kBlockSide),
                                            static_cast<double>(corner[2] + n / kBlockSide / kBlockSide)};
   samples.at(points, values.data());
-  std::transform(values.begin(), values.end(), phi.begin(), [&](double v) { return told(v, set.frame.cell, {}); });
+  std::transform(values.begin(), values.end(), phi.begin(), [&](double v) { return in_model_units(v, set.frame.cell, {}); });
 }
 
 }  // namespace
@@ -150,7 +150,7 @@ void FieldOutput::write(const SampleGrid& grid, const FieldSamples& samples, con
         points[n - begin] = frame.to_lattice(grid.origin + node * grid.spacing);
       }
       samples.at({points.data(), end - begin}, phi.data());
-      for (std::size_t n = begin; n < end; ++n) values[n] = told(phi[n - begin], frame.cell, clamp);
+      for (std::size_t n = begin; n < end; ++n) values[n] = in_model_units(phi[n - begin], frame.cell, clamp);
     });
   };
   write_voxels(file_->fd(), file_->destination(), source, format_ == FieldFormat::vti ? VoxelFormat::vti : VoxelFormat::nrrd, progress);
