@@ -85,10 +85,11 @@ class FieldSamples::Cubic {
   std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
 };
 
-FieldSamples::FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest, double reach)
-    : set_(set), tree_(set.octree()), facets_(&facets), nearest_(&nearest), reach_(reach) {
-  boundary_ = std::make_unique<const TriangleIndex>(with_role(facets, roles, FacetRole::boundary));
-  all_ = std::make_unique<const TriangleIndex>(facets);
+FieldSamples::FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest)
+    : set_(set), tree_(set.octree()), facets_(&facets), nearest_(&nearest) {
+  const TriangleSoup boundary = with_role(facets, roles, FacetRole::boundary);
+  boundary_ = std::make_shared<const TriangleIndex>(boundary);
+  all_ = boundary.facets.size() == facets.facets.size() ? boundary_ : std::make_shared<const TriangleIndex>(facets);
 }
 
 bool FieldSamples::is_within(const Vec3& p) const {
@@ -99,7 +100,7 @@ bool FieldSamples::is_within(const Vec3& p) const {
 double FieldSamples::signed_distance(const Vec3& p, std::uint32_t& leaf) const {
   if (!is_within(p)) return -std::sqrt(boundary_->closest(p).squared_distance);
   const Corners corners = corners_of(p, leaf);
-  const double d = distance(p, corners, reach_ * (1 << tree_.level(leaf)));
+  const double d = distance(p, corners);
   return is_inside(p, corners, d) ? d : -d;
 }
 
@@ -121,14 +122,13 @@ FieldSamples::Corners FieldSamples::corners_of(const Vec3& p, std::uint32_t& lea
   return corners;
 }
 
-// Beyond the reach that to the corners' facets.
-double FieldSamples::distance(const Vec3& p, const Corners& corners, double reach) const {
+// The corners' facets bound the search.
+double FieldSamples::distance(const Vec3& p, const Corners& corners) const {
   double d = std::numeric_limits<double>::infinity();
   for (std::size_t c = 0; c < corners.count; ++c)
     if (const std::uint32_t f = corners.facet[c]; f != kNoFacet)
       d = std::min(d, norm(p - closest_point_on_triangle(p, facets_->corner(f, 0), facets_->corner(f, 1), facets_->corner(f, 2))));
-  const double within = std::isfinite(d) ? std::min(d, reach) : d;
-  const auto closest = boundary_->closest(p, within * within * kSlack + kTiny);
+  const auto closest = boundary_->closest(p, d * d * kSlack + kTiny);
   return closest.facet == kNoFacet ? d : std::sqrt(closest.squared_distance);
 }
 

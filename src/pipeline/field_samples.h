@@ -11,9 +11,8 @@
 
 namespace burnish {
 
-// Where phi is the distance to facets, so are samples: within `reach` of them exact but for rounding, beyond it the distance to the nearest of the
-// facets that the nodes around are nearest to, which is never too small, and too large at most near the medial axis. Signs are those of the nodes: a node
-// whose ball without facets holds the point, or that the point's ball holds, says which; the rest is said by winding numbers. [T-EXPORT-1]
+// Where phi is the distance to facets, so are samples, exact but for rounding, however far: more exact than nodes beyond the band. Signs are those of the
+// nodes: a node whose ball without facets holds the point, or that the point's ball holds, says which; the rest is said by winding numbers. [T-EXPORT-1]
 //
 // Otherwise (smoothed, redistanced) samples are the tricubic interpolant of the nodes, off by O(h^4) where phi is smooth. [T-EXPORT-2] Outside the
 // domain they are distances to where the gradient at its wall leads to, which is never too small for a surface within it.
@@ -22,7 +21,7 @@ namespace burnish {
 class FieldSamples {
  public:
   // `facets`: what the level set was built from; `roles` of them. `nearest`: the nearest of them to each node, in phi's layout.
-  FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest, double reach);
+  FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest);
   explicit FieldSamples(const LevelSet& set) : set_(set), tree_(set.octree()) {}
 
   bool is_exact() const { return boundary_ != nullptr; }
@@ -36,7 +35,7 @@ class FieldSamples {
   bool is_within(const Vec3& p) const;
   double signed_distance(const Vec3& p, std::uint32_t& leaf) const;
   Corners corners_of(const Vec3& p, std::uint32_t& leaf) const;
-  double distance(const Vec3& p, const Corners& corners, double reach) const;
+  double distance(const Vec3& p, const Corners& corners) const;
   bool is_inside(const Vec3& p, const Corners& corners, double d) const;
   double interpolated(const Vec3& p, Cubic& cubic) const;
   double beyond_walls(const Vec3& p) const;
@@ -45,9 +44,8 @@ class FieldSamples {
   const Octree& tree_;
   const TriangleSoup* facets_ = nullptr;
   const Field<std::uint32_t>* nearest_ = nullptr;
-  double reach_ = 0;
-  std::unique_ptr<const TriangleIndex> boundary_;  // facets that bound the solid
-  std::unique_ptr<const TriangleIndex> all_;       // those that others make pointless too
+  std::shared_ptr<const TriangleIndex> boundary_;  // facets that bound the solid
+  std::shared_ptr<const TriangleIndex> all_;       // of all facets, which winding numbers count
 };
 
 }  // namespace burnish

@@ -31,7 +31,7 @@ struct Built {
     lattice = to_lattice(soup, frame);
   }
 
-  FieldSamples samples() const { return FieldSamples(from.level_set, lattice, from.roles, from.nearest, 3); }
+  FieldSamples samples() const { return FieldSamples(from.level_set, lattice, from.roles, from.nearest); }
 };
 
 double sample_at(const FieldSamples& samples, const Vec3& p) {
@@ -51,28 +51,20 @@ double in_unit_cube(const Vec3& p) {
   return -norm(max(q, Vec3{})) - std::min(0.0, std::max({q.x, q.y, q.z}));
 }
 
-// Anywhere, outside the domain too: signs, and within the band the distance; beyond it never too small, and of a cube hardly too large.
-TEST(FieldSamples, AreExactWithinTheBandOfFacets) {
+// Anywhere, outside the domain too.
+TEST(FieldSamples, AreTheSignedDistanceToFacets) {
   std::mt19937 random(kSeed);
   for (const std::optional<double> tolerance : {std::optional<double>{}, std::optional<double>(0.5)}) {
     const Built built(cube(), 0.04, tolerance);
     const FieldSamples samples = built.samples();
     ASSERT_TRUE(samples.is_exact());
     const GridFrame& frame = built.from.level_set.frame;
-    std::size_t near = 0;
     for (int i = 0; i < 20000; ++i) {
       const Vec3 p = random_in(random, {{-1, -1, -1}, {2, 2, 2}});
       const double exact = in_unit_cube(p) / frame.cell, phi = sample_at(samples, frame.to_lattice(p));
       ASSERT_EQ(phi > 0, exact > 0) << "seed " << kSeed << ", " << p.x << ' ' << p.y << ' ' << p.z;
-      near += std::abs(exact) <= 3;
-      if (std::abs(exact) <= 3) {
-        ASSERT_NEAR(phi, exact, 1e-12 * 100) << "seed " << kSeed;
-      } else {
-        ASSERT_GE(std::abs(phi), std::abs(exact) * (1 - 1e-12));
-        ASSERT_LE(std::abs(phi), std::abs(exact) * 1.05 + 1e-9) << p.x << ' ' << p.y << ' ' << p.z;
-      }
+      ASSERT_NEAR(phi, exact, 1e-10) << "seed " << kSeed;
     }
-    EXPECT_GT(near, 1000u);
   }
 }
 
@@ -102,7 +94,7 @@ TEST(FieldSamples, SignsAreRightBesideTheSurface) {
   }
 }
 
-// Without facets: the interpolant's error falls with h^4, here by 16 from one radius (in cells) to the next, in float.
+// Without facets: the interpolant's error falls with h^4. In cells, as here, that is a factor of 8 from one radius to twice it.
 TEST(FieldSamples, InterpolateByTheFourthOrder) {
   std::array<double, 2> worst{};
   for (std::size_t r = 0; r < 2; ++r) {
@@ -115,14 +107,14 @@ TEST(FieldSamples, InterpolateByTheFourthOrder) {
     for (int i = 0; i < 5000; ++i) {
       const Vec3 p = random_in(random, {{8, 8, 8}, {56, 56, 56}});
       const double exact = radius - norm(p - center);
-      if (std::abs(exact) < 2) worst[r] = std::max(worst[r], std::abs(sample_at(samples, p) - exact));
+      if (std::abs(exact) < radius / 3) worst[r] = std::max(worst[r], std::abs(sample_at(samples, p) - exact));
     }
     // Beyond the walls the distance to where the gradient leads.
     EXPECT_NEAR(sample_at(samples, {-20, 30, 40}), radius - norm(Vec3{-20, 30, 40} - center), 0.2);
     EXPECT_NEAR(sample_at(samples, {100, 80, -9}), radius - norm(Vec3{100, 80, -9} - center), 0.5);
   }
   EXPECT_LT(worst[1], 1e-4);
-  EXPECT_LT(12 * worst[1], worst[0]);
+  EXPECT_LT(7 * worst[1], worst[0]);
 }
 
 TEST(FieldSamples, GridsCoverTheBoxAndBeginInItsCorner) {

@@ -124,9 +124,8 @@ TEST(OctreeCells, OnlyThoseThatAreChosen) {
   choice.arrays = {FieldArray::level, FieldArray::phi};
   choice.at_points = false;
   choice.within = 2;
-  const CellGrid all = OctreeCells(built, no_facets, FieldCells::near).grid();
-  const OctreeCells some(built, no_facets, FieldCells::near, choice);
-  const CellGrid grid = some.grid();
+  const OctreeCells every(built, no_facets, FieldCells::near), some(built, no_facets, FieldCells::near, choice);
+  const CellGrid all = every.grid(), grid = some.grid();
   EXPECT_TRUE(grid.point_arrays.empty());
   ASSERT_EQ(grid.cell_arrays.size(), 2u);
   std::vector<LatticeCube> cubes(all.count), chosen(grid.count), expected;
@@ -140,7 +139,8 @@ TEST(OctreeCells, OnlyThoseThatAreChosen) {
   for (std::size_t c = 0; c < chosen.size(); ++c) ASSERT_EQ(chosen[c].corner, expected[c].corner);
   choice.within.reset();
   choice.clamp = 2;
-  const auto clamped = values_of(OctreeCells(built, no_facets, FieldCells::near, choice).grid(), "phi", cubes);
+  const OctreeCells ending(built, no_facets, FieldCells::near, choice);
+  const auto clamped = values_of(ending.grid(), "phi", cubes);
   for (std::size_t c = 0; c < cubes.size(); ++c) ASSERT_EQ(clamped[c], std::clamp(phi[c], -1.0, 1.0));
 }
 
@@ -156,7 +156,8 @@ TEST(OctreeCells, MeanCurvatureIsThatOfTheSurface) {
   const std::vector<std::uint32_t> no_facets;
   CellChoice choice;
   choice.curvature = &curvature;
-  const CellGrid grid = OctreeCells(built, no_facets, FieldCells::near, choice).grid();
+  const OctreeCells cells(built, no_facets, FieldCells::near, choice);
+  const CellGrid grid = cells.grid();
   std::vector<LatticeCube> cubes(grid.count);
   grid.cubes(0, cubes);
   const auto found = values_of(grid, "mean_curvature", cubes), confidence = values_of(grid, "sign_confidence", cubes);
