@@ -97,10 +97,10 @@ bool FieldSamples::is_within(const Vec3& p) const {
   return p.x >= 0 && p.y >= 0 && p.z >= 0 && p.x < side && p.y < side && p.z < side;
 }
 
-double FieldSamples::signed_distance(const Vec3& p, std::uint32_t& leaf) const {
-  if (!is_within(p)) return -std::sqrt(boundary_->closest(p).squared_distance);
+double FieldSamples::signed_distance(const Vec3& p, std::uint32_t& leaf, Vec3& foot) const {
+  if (!is_within(p)) return -distance(p, {}, foot);
   const Corners corners = corners_of(p, leaf);
-  const double d = distance(p, corners);
+  const double d = distance(p, corners, foot);
   return is_inside(p, corners, d) ? d : -d;
 }
 
@@ -122,14 +122,16 @@ FieldSamples::Corners FieldSamples::corners_of(const Vec3& p, std::uint32_t& lea
   return corners;
 }
 
-// The corners' facets bound the search.
-double FieldSamples::distance(const Vec3& p, const Corners& corners) const {
-  double d = std::numeric_limits<double>::infinity();
+// The corners' facets bound the search, and so does the foot of the point before.
+double FieldSamples::distance(const Vec3& p, const Corners& corners, Vec3& foot) const {
+  double d = norm(p - foot);
   for (std::size_t c = 0; c < corners.count; ++c)
     if (const std::uint32_t f = corners.facet[c]; f != kNoFacet)
       d = std::min(d, norm(p - closest_point_on_triangle(p, facets_->corner(f, 0), facets_->corner(f, 1), facets_->corner(f, 2))));
   const auto closest = boundary_->closest(p, d * d * kSlack + kTiny);
-  return closest.facet == kNoFacet ? d : std::sqrt(closest.squared_distance);
+  if (closest.facet == kNoFacet) return d;
+  foot = closest.point;
+  return std::sqrt(closest.squared_distance);
 }
 
 // [T-EXPORT-1]
@@ -159,8 +161,10 @@ double FieldSamples::interpolated(const Vec3& p, Cubic& cubic) const {
 void FieldSamples::at(std::span<const Vec3> points, double* phi) const {
   Cubic cubic(set_);
   std::uint32_t leaf = Octree::kNone;
+  constexpr double kFar = 1e30;
+  Vec3 foot{kFar, kFar, kFar};
   for (const Vec3& p : points) {
-    *phi++ = is_exact() ? signed_distance(p, leaf) : interpolated(p, cubic);
+    *phi++ = is_exact() ? signed_distance(p, leaf, foot) : interpolated(p, cubic);
   }
 }
 
