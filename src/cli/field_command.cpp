@@ -9,6 +9,7 @@
 #include "burnish/io/field_files.h"
 #include "burnish/pipeline/cell_octree.h"
 #include "burnish/pipeline/field.h"
+#include "clean_options.h"
 #include "commands.h"
 #include "console.h"
 #include "field_summary.h"
@@ -21,7 +22,11 @@ namespace {
 
 constexpr std::string_view kNotes =
     R"(Without -o it only reports. A .vtu has the cells with their nodes, a .htg the
-tree; ParaView reads both, and scripts/render_octree draws a section.
+tree; ParaView reads both, and scripts/render_octree draws a section. A .vti
+(VTK) and a .nrrd have distances at the nodes of a uniform grid, a .vdb those of
+the finest cells in a narrow band. phi is positive inside; in a .vdb negative, as
+OpenVDB has it. An OpenFOAM field on a mesh that is there already is made by
+'burnish ic --also-phi'.
 
 With --cell-octree there is no level set, only an octree of cells that facets
 refine: IN is taken as it is, sheets and holes included. Without any of its
@@ -32,6 +37,8 @@ Examples:
   burnish field part.stl
   burnish field part.stl -o part.vtu --resolution 200 --verify-exact 10000
   burnish field part.stl -o octree.htg --blocks
+  burnish field part.stl -o part.nrrd --samples 200 --box 0,0,0,10,10,20
+  burnish field scan.stl -o scan.vdb --smooth 0.5 --mode volume
   burnish field part.stl -o cells.vtu --cell-octree --max-face-limit 5
 
 Exit codes: 0 done, 1 nodes differ from exact distances by more than allowed,
@@ -59,6 +66,7 @@ class FieldCommand : public Command {
     const ThreadLimit limit(threads_);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
     if (job_.overwrite && job_.output.empty()) console.warn("--overwrite", {"has no effect without -o"});
+    for (const std::string& option : idle_options(job_.options)) console.warn(option, {"has no effect without --smooth"});
     return cell_octree_ ? grow(console) : build(console);
   }
 
@@ -104,15 +112,51 @@ class FieldCommand : public Command {
     };
   }
 
+  // The same, of what is said about the file; the first that was given is remembered with the formats that it is for.
+  Setter of_content(Setter set, bool (*suits)(FieldFormat), std::string_view formats) {
+    return of_level_set([this, set = std::move(set), suits, formats](const GivenValue& v) {
+      set(v);
+      of_content_.push_back({std::string(v.name), suits, formats});
+    });
+  }
+  Setter of_cells(Setter set) { return of_content(std::move(set), holds_cells, "a .vtu or .htg"); }
+  Setter of_samples(Setter set) { return of_content(std::move(set), holds_samples, "a .vti or .nrrd"); }
+
   std::vector<Option> option_table() {
+    std::vector<Option> table = own_options();
+    const auto behind = std::find_if(table.begin(), table.end(), [](const Option& o) { return o.group == "Preparation"; });
+    std::vector<Option> rows;
+    for (Option& row : with_clean_options({}, job_.options))
+      for (const std::string_view wanted : {"--smooth", "--mode", "--free-volume", "--deviation"})
+        if (row.name == wanted) rows.push_back(std::move(row)), rows.back().set = of_level_set(rows.back().set);
+    table.insert(behind, rows.begin(), rows.end());
+    return table;
+  }
+
+  std::vector<Option> own_options() {
     CleanOptions& o = job_.options;
+    FieldContent& c = job_.content;
     return {
-        {"--output", 'o', "FILE", "Output", "Where to write: .vtu (cells and nodes) or .htg (the tree).", store_text(job_.output)},
+        {"--output", 'o', "FILE", "Output", "Where to write: .vtu (cells and nodes), .htg (the tree), .vti or .nrrd (a uniform grid), .vdb (OpenVDB).", store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace FILE if it exists already.", switch_on(job_.overwrite)},
         {"--octree", 0, "W", "Output",
          "What is a cell of FILE: 'near' (default) a cell of the octree near the surface and a block elsewhere, 'blocks', or 'cells' everywhere.",
          of_level_set([this](const GivenValue& v) { cells_ = one_of<FieldCells>(v, {"near", "blocks", "cells"}), octree_given_ = true; })},
         {"--blocks", 0, "", "Output", "The same as --octree blocks.", of_level_set(switch_on(blocks_))},
+        {"--data", 0, "LIST", "Output",
+         "Arrays of a .vtu or .htg, such as phi,facet: of phi, level, inside, block, facet, mean_curvature, sign_confidence, accepted; all when not given.",
+         of_cells([&c](const GivenValue& v) { c.arrays = arrays(v); })},
+        {"--plain", 0, "", "Output", "The same as --data phi,level.", of_cells(switch_on(plain_))},
+        {"--cell-centred", 0, "", "Output", "Values of a .vtu in cells only, not at nodes.", of_cells(switch_on(c.cell_centred))},
+        {"--narrow-band", 0, "W", "Output",
+         "Only distances up to W, such as 3h or 0.1: cells within it (.vtu), values that end there (.htg, .vti, .nrrd), half the band of a .vdb (3h when not given).",
+         of_content([&c](const GivenValue& v) { c.narrow_band = positive_length(v); }, [](FieldFormat) { return true; }, "a file")},
+        {"--box", 0, "BOX", "Output", "What a .vti or .nrrd covers, xmin,ymin,zmin,xmax,ymax,zmax; the model and 5 % around it when not given.",
+         of_samples([&c](const GivenValue& v) { c.box = box(v); })},
+        {"--samples", 0, "N", "Output", "Nodes of a .vti or .nrrd along its longest side (2 to 100000).",
+         of_samples([&c](const GivenValue& v) { c.samples = static_cast<int>(integer_within(v, 2, 100'000)); })},
+        {"--spacing", 0, "L", "Output", "Distance between nodes of a .vti or .nrrd; that of the finest cells when not given.",
+         of_samples([&c](const GivenValue& v) { c.spacing = positive_length(v); })},
         {"--json", 0, "", "Output", "Print the result as JSON.", switch_on(json_)},
         {"--cell", 0, "L", "Resolution", "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
@@ -158,6 +202,40 @@ class FieldCommand : public Command {
     };
   }
 
+  static std::vector<std::string_view> parts(std::string_view list) {
+    std::vector<std::string_view> result;
+    for (std::size_t comma = list.find(','); comma != std::string_view::npos; comma = list.find(',')) {
+      result.push_back(list.substr(0, comma));
+      list.remove_prefix(comma + 1);
+    }
+    result.push_back(list);
+    return result;
+  }
+
+  static std::vector<FieldArray> arrays(const GivenValue& v) {
+    std::vector<std::string> words;
+    for (std::size_t a = 0; a < kFieldArrays; ++a) words.emplace_back(name(static_cast<FieldArray>(a)));
+    std::vector<FieldArray> chosen;
+    for (const std::string_view word : parts(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word}, words));
+    return chosen;
+  }
+
+  static Box3 box(const GivenValue& v) {
+    std::vector<double> numbers;
+    for (const std::string_view part : parts(v.text)) {
+      const bool negative = part.starts_with('-');
+      const double size = non_negative_number({v.name, part.substr(negative ? 1 : 0)});
+      numbers.push_back(negative ? -size : size);
+    }
+    const auto refuse = [&](const char* expected) { throw Error(ErrorCode::usage, fmt::format("{} {}: expected {}", v.name, v.text, expected), "for example --box 0,0,0,10,10,20"); };
+    if (numbers.size() != 6) refuse("six numbers, xmin,ymin,zmin,xmax,ymax,zmax");
+    Box3 result;
+    result.lower = {numbers[0], numbers[1], numbers[2]}, result.upper = {numbers[3], numbers[4], numbers[5]};
+    for (int a = 0; a < 3; ++a)
+      if (result.lower[a] > result.upper[a]) refuse("lower corners first");
+    return result;
+  }
+
   static double band(const GivenValue& v) {
     const double cells = non_negative_number(v);
     if (cells < kLeastBand || cells > kWidestBand)
@@ -182,6 +260,7 @@ class FieldCommand : public Command {
     if (!band_given_) job_.band = std::max(job_.band, least_band(job_));
     if (job_.band < least_band(job_))
       refuse(fmt::format("--band {:g}: ACCEPTED cells need {:g} cells for exact distances", job_.band, least_band(job_)), "leave --band out, or add --accepted band");
+    require_plausible_smoothing();
     if (job_.options.cell && job_.options.resolution) refuse("--cell and --resolution exclude each other", "give one of the two");
     if (cell_octree_ && !of_level_set_.empty())
       refuse(fmt::format("{} is a matter of the level set, and --cell-octree builds none", of_level_set_), "leave one of the two out");
@@ -190,16 +269,49 @@ class FieldCommand : public Command {
       refuse("--cell-max needs something that decides where cells are as coarse", "for example --adapt 0.1h, or --cell-octree");
     if (blocks_ && octree_given_ && cells_ != FieldCells::blocks) refuse("--blocks and --octree say different things", "give one of the two");
     job_.cells = blocks_ ? FieldCells::blocks : cells_;
-    if (job_.output.empty()) {
-      if (blocks_ || octree_given_) refuse("--blocks and --octree say what is written, and no output is named", "add -o FILE.vtu or -o FILE.htg");
-      return;
-    }
-    static_cast<void>(field_format_for_writing(job_.output));
+    require_suitable_content();
+    if (job_.output.empty()) return;
     if (same_file(job_.output, job_.input))
       refuse(fmt::format("{}: -o names the input", job_.output), "the field is no replacement for the model: give another name");
   }
 
+  void require_plausible_smoothing() const {
+    const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    const CleanOptions& o = job_.options;
+    if (o.mode == SmoothMode::feature && o.smooths_in_cells()) refuse("--mode feature works on facets, which have no cells to measure lengths in", "give them in model units or in percent");
+    if (o.smooths() && accepted_given_) refuse("--accepted keeps distances to facets, and --smooth moves the surface away from them", "leave one of the two out");
+    if (o.smooths() && job_.verify > 0) refuse("--verify-exact compares with the facets, and --smooth moves the surface away from them", "leave one of the two out");
+  }
+
+  // What was said about the file, and the file.
+  void require_suitable_content() {
+    const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    if (plain_ && !job_.content.arrays.empty()) refuse("--plain and --data say different things", "give one of the two");
+    if (plain_) job_.content.arrays = {FieldArray::phi, FieldArray::level};
+    if (job_.content.samples && job_.content.spacing) refuse("--samples and --spacing exclude each other", "give one of the two");
+    if (std::count(job_.content.arrays.begin(), job_.content.arrays.end(), FieldArray::accepted) > 0 && !job_.redistance)
+      refuse("--data accepted: cells are accepted where redistancing starts", "add --redistance M");
+    if (job_.output.empty()) {
+      if (blocks_ || octree_given_) refuse("--blocks and --octree say what is written, and no output is named", "add -o FILE.vtu or -o FILE.htg");
+      if (!of_content_.empty()) refuse(of_content_.front().option + " says what is written, and no output is named", "add -o FILE");
+      return;
+    }
+    const FieldFormat format = field_format_for_writing(job_.output);
+    if (cell_octree_ && !holds_cells(format)) refuse(fmt::format("{}: an octree of cells has no distances to be sampled", job_.output), "write a .vtu or a .htg");
+    if ((blocks_ || octree_given_) && !holds_cells(format)) refuse("--blocks and --octree are for a .vtu or .htg", "leave them out, or write one of these");
+    for (const ContentOption& given : of_content_)
+      if (!given.suits(format)) refuse(fmt::format("{} is for {}", given.option, given.formats), "leave it out, or write one of these");
+  }
+
+  struct ContentOption {
+    std::string option;
+    bool (*suits)(FieldFormat);
+    std::string_view formats;
+  };
+
   FieldJob job_;
+  std::vector<ContentOption> of_content_;
+  bool plain_ = false;
   FieldCells cells_ = FieldCells::near;
   std::string of_level_set_;  // an option of that sort, if one was given
   int threads_ = 0;

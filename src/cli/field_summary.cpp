@@ -41,9 +41,12 @@ std::string volume_line(const FieldVolume& v) {
 }
 
 std::string file_lines(const FieldFile& o) {
+  const double megabytes = static_cast<double>(o.bytes) / 1e6;
+  if (o.samples[0] > 0) return fmt::format("{}: {} x {} x {} samples, {:.6g} apart, {:.1f} MB", o.file, o.samples[0], o.samples[1], o.samples[2], o.spacing, megabytes);
+  if (o.format == ".vdb") return fmt::format("{}: {} voxels of {:.6g} in the band, {:.1f} MB", o.file, o.voxel_count, o.spacing, megabytes);
   std::string size = fmt::format("{} cells, ", o.cell_count);
   size += o.octant_count > 0 ? fmt::format("{} octants", o.octant_count) : fmt::format("{} points", o.point_count);
-  return fmt::format("{}: {}, {:.1f} MB", o.file, size, static_cast<double>(o.bytes) / 1e6);
+  return fmt::format("{}: {}, {:.1f} MB", o.file, size, megabytes);
 }
 
 std::string division_lines(const RefinementLimits& limits, const GrowthStatistics& statistics, const std::optional<double>& adapt = {}) {
@@ -78,6 +81,10 @@ std::string summary_of(const FieldResult& r, double seconds) {
   text += line("memory", fmt::format("{:.1f} MB", static_cast<double>(r.grid.bytes) / 1e6));
   text += line("regions", fmt::format("{}, {} of them ambiguous", r.regions, r.ambiguous_regions));
   text += line("facets", fmt::format("{}, {} of them inside, {} unresolved", r.facets, r.interior_facets, r.unresolved_facets));
+  if (r.smoothing.mode != SmoothMode::automatic)
+    text += line("smoothed", fmt::format("mode {} ({}), the surface moved by {:.4g} (rms)", name(r.smoothing.mode), r.smoothing.mode_reason, r.smoothing.rms_moved));
+  else if (!r.smoothing.mode_reason.empty())
+    text += line("smoothed", "not: " + r.smoothing.mode_reason);
   if (r.redistancing) text += redistancing_lines(*r.redistancing);
   text += volume_line(r.volume);
   if (r.verification) text += check_lines(*r.verification, r.options.cell);

@@ -2,7 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <array>
+
 #include "burnish/core/error.h"
+#include "burnish/io/vdb.h"
 #include "cell_stream.h"
 #include "suffix.h"
 
@@ -86,14 +89,20 @@ int smallest_level(const CellGrid& grid, const std::string& label) {
 
 }  // namespace detail
 
-std::string_view name(FieldFormat format) { return format == FieldFormat::vtu ? ".vtu" : ".htg"; }
+std::string_view name(FieldFormat format) {
+  constexpr std::array<std::string_view, 5> names{".vtu", ".htg", ".vti", ".nrrd", ".vdb"};
+  return names[static_cast<std::size_t>(format)];
+}
 
 FieldFormat field_format_for_writing(const std::string& path) {
   const std::string suffix = suffix_of(path);
-  if (suffix == ".vtu") return FieldFormat::vtu;
-  if (suffix == ".htg") return FieldFormat::htg;
+  for (const FieldFormat format : {FieldFormat::vtu, FieldFormat::htg, FieldFormat::vti, FieldFormat::nrrd, FieldFormat::vdb}) {
+    if (suffix != name(format)) continue;
+    if (format == FieldFormat::vdb) require_openvdb(path);
+    return format;
+  }
   throw Error(ErrorCode::usage, fmt::format("{}: the suffix does not say which format to write", path),
-              "use .vtu (cells and nodes) or .htg (the tree), which ParaView reads");
+              "use .vtu (cells and nodes), .htg (the tree), .vti or .nrrd (a uniform grid), or .vdb (OpenVDB)");
 }
 
 std::uint64_t bytes_to_write_field(std::size_t cubes, FieldFormat format) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "burnish/core/parallel.h"
 #include "burnish/levelset/adapt.h"
@@ -176,7 +177,8 @@ LevelSetFromTriangles level_set_from_triangles(const TriangleSoup& soup, const G
                  ? grow_graded(lattice_soup, frame.depth, options, result.growth, progress)
                  : grow_uniform_band(lattice_soup, frame.depth, band, static_cast<int>(std::ceil(options.room / kBlockSide)), progress);
   DistanceField field = exact_distances(lattice_soup, set.grid, band, {}, progress, options.far_field || options.keep_nearest ? KeepNearest::yes : KeepNearest::no);
-  const InsideField classified = classify(lattice_soup, set.grid, field.distance, result, progress);
+  InsideField classified = classify(lattice_soup, set.grid, field.distance, result, progress);
+  result.certainty = std::move(classified.certainty);
   if (result.interior_facets + result.unresolved_facets > 0) {
     std::vector<char> active(result.roles.size());
     std::transform(result.roles.begin(), result.roles.end(), active.begin(), [](FacetRole role) { return role == FacetRole::boundary; });

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <optional>
 #include <vector>
 
@@ -73,10 +74,15 @@ struct Verdict {
   bool inside() const { return low > kInside; }
 };
 
+constexpr std::uint8_t kCertain = 255;
+
+// [T-SIGN-3]
+std::uint8_t certainty_of(double w) { return static_cast<std::uint8_t>(std::lround(kCertain * std::min(1.0, std::abs(2 * w - 1)))); }
+
 // Decides a leaking region's part of one block: by its extremes if they agree, else node by node.
 std::size_t decide_leaking_piece(const SurfaceOctree& grid, const Field<float>& distance, const Pieces& pieces,
                                  std::size_t leaf, std::size_t piece, const TriangleIndex& triangles,
-                                 std::uint8_t* inside) {
+                                 std::uint8_t* inside, std::uint8_t* certainty) {
   std::vector<std::size_t> nodes;
   for (std::size_t n = 0; n < kBlockNodes; ++n)
     if (pieces.label.block(leaf)[n] == piece) nodes.push_back(n);
@@ -88,10 +94,14 @@ std::size_t decide_leaking_piece(const SurfaceOctree& grid, const Field<float>& 
   Verdict verdict;
   for (const std::size_t n : probes) verdict.add(triangles.winding_number(position(grid.octree, leaf, n)));
   if (verdict.clear()) {
-    for (const std::size_t n : nodes) inside[n] = verdict.inside();
+    const std::uint8_t least = std::min(certainty_of(verdict.low), certainty_of(verdict.high));
+    for (const std::size_t n : nodes) inside[n] = verdict.inside(), certainty[n] = least;
     return probes.size();
   }
-  for (const std::size_t n : nodes) inside[n] = triangles.winding_number(position(grid.octree, leaf, n)) > 0.5;
+  for (const std::size_t n : nodes) {
+    const double w = triangles.winding_number(position(grid.octree, leaf, n));
+    inside[n] = w > 0.5, certainty[n] = certainty_of(w);
+  }
   return probes.size() + nodes.size();
 }
 
@@ -136,7 +146,10 @@ InsideField classify_nodes(const SurfaceOctree& grid, const Field<float>& distan
 
   result.inside = Field<std::uint8_t>::like(crossed, 0, 1);
   // A region that leaks may be decided node by node far from the surface too.
-  if (result.ambiguous_regions > 0) result.inside.make_dense(tree.size());
+  if (result.ambiguous_regions > 0) {
+    result.inside.make_dense(tree.size());
+    result.certainty = Field<std::uint8_t>(tree.size(), kCertain);
+  }
   std::vector<std::size_t> evaluations(tree.size(), 0);
   parallel_for(
       tree.size(),
@@ -145,7 +158,7 @@ InsideField classify_nodes(const SurfaceOctree& grid, const Field<float>& distan
         for (std::uint32_t local = 0; local < pieces.count(leaf); ++local) {
           const Verdict& verdict = verdicts[pieces.region[pieces.first[leaf] + local]];
           if (!verdict.clear()) {
-            evaluations[leaf] += decide_leaking_piece(grid, distance, pieces, leaf, local, *triangles, result.inside.block(leaf));
+            evaluations[leaf] += decide_leaking_piece(grid, distance, pieces, leaf, local, *triangles, result.inside.block(leaf), result.certainty.block(leaf));
           } else if (!verdict.inside()) {
             continue;
           } else if (!result.inside.stores(leaf)) {

@@ -77,7 +77,10 @@ CellGrid cells_of(const SurfaceOctree& grid, const std::vector<std::uint32_t>& s
 // One run: the stages write into the result as they go.
 class CellOctreeRun {
  public:
-  CellOctreeRun(const CellOctreeJob& job, Progress& progress) : job_(job), progress_(progress), output_(job.output, job.overwrite) {}
+  CellOctreeRun(const CellOctreeJob& job, Progress& progress) : job_(job), progress_(progress), output_(job.output, job.overwrite) {
+    if (output_.is_wanted() && !holds_cells(output_.format()))
+      throw Error(ErrorCode::usage, fmt::format("{}: an octree of cells has no distances to be sampled", job.output), "write a .vtu or a .htg");
+  }
 
   CellOctreeResult run() {
     result_.input = job_.input;

@@ -3,14 +3,103 @@
 #include <fmt/format.h>
 #include <sys/stat.h>
 
+#include <algorithm>
+#include <cmath>
+#include <utility>
+#include <vector>
+
 #include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+#include "burnish/io/vdb.h"
+#include "burnish/io/voxel_volume.h"
 
 namespace burnish {
 namespace {
 
 constexpr std::size_t kManyCells = 50'000'000;  // from here on, their number is said before they are written
+constexpr double kMargin = 0.05;               // of the longest side, around a model
+constexpr double kMostSamples = 0x1p33;
+constexpr std::size_t kGrain = 256;            // samples, and then blocks
+constexpr double kHalfDiagonal = 0.8660254037844386 * kBlockSide;
+
+float in_model_units(double phi, double cell, const std::optional<double>& clamp) {
+  if (clamp) phi = std::clamp(phi, -*clamp, *clamp);
+  return static_cast<float>(phi * cell);
+}
+
+// The blocks of finest cells in which a voxel may be nearer to the surface than the half width. [T-EXPORT-3]
+class BandBlocks {
+ public:
+  BandBlocks(const LevelSet& set, double half_width) : set_(set), half_width_(half_width) {
+    const Octree& tree = set.octree();
+    std::vector<std::vector<std::array<std::int32_t, 3>>> found(tree.size());
+    parallel_for(tree.size(), [&](std::size_t leaf) {
+      const LatticeNode corner = lattice_node(tree, leaf, 0, 0, 0);
+      divide({corner.x, corner.y, corner.z}, tree.level(leaf), found[leaf]);
+    }, 16);
+    for (const auto& blocks : found) all_.insert(all_.end(), blocks.begin(), blocks.end());
+  }
+
+  std::vector<std::array<std::int32_t, 3>> take() { return std::move(all_); }
+
+ private:
+  // Distances differ by no more than points do; the cell more is for what interpolation is off in coarse cells.
+  void divide(const std::array<std::int32_t, 3>& corner, int level, std::vector<std::array<std::int32_t, 3>>& blocks) const {
+    const std::int32_t half = (kBlockSide / 2) << level;
+    const double phi = node_value(set_.octree(), set_.phi, {corner[0] + half, corner[1] + half, corner[2] + half});
+    if (std::abs(phi) > half_width_ + (kHalfDiagonal + 1) * (1 << level)) return;
+    if (level == 0) return blocks.push_back(corner);
+    for (int child = 0; child < 8; ++child) {
+      std::array<std::int32_t, 3> at = corner;
+      for (std::size_t a = 0; a < 3; ++a) at[a] += (child >> a & 1) * half;
+      divide(at, level - 1, blocks);
+    }
+  }
+
+  const LevelSet& set_;
+  double half_width_;
+  std::vector<std::array<std::int32_t, 3>> all_;
+};
+
+// Samples at the nodes of a block of finest cells: those that are stored, or between them.
+void sample_block(const LevelSet& set, const FieldSamples& samples, const std::array<std::int32_t, 3>& corner, std::span<float> phi) {
+  const Octree& tree = set.octree();
+  const auto block = [&](std::size_t a) { return static_cast<std::uint32_t>(corner[a]) / kBlockSide; };
+  const std::uint32_t leaf = tree.find({block(0), block(1), block(2)});
+  if (tree.level(leaf) == 0) {
+    const float* stored = set.phi.block(leaf);
+    std::transform(stored, stored + kBlockNodes, phi.begin(), [&](float v) { return in_model_units(static_cast<double>(v), set.frame.cell, {}); });
+    return;
+  }
+  std::vector<Vec3> points(phi.size());
+  std::vector<double> values(phi.size());
+  for (int n = 0; n < static_cast<int>(points.size()); ++n)
+    points[static_cast<std::size_t>(n)] = {static_cast<double>(corner[0] + n % kBlockSide), static_cast<double>(corner[1] + n / kBlockSide % kBlockSide),
+                                           static_cast<double>(corner[2] + n / kBlockSide / kBlockSide)};
+  samples.at(points, values.data());
+  std::transform(values.begin(), values.end(), phi.begin(), [&](double v) { return in_model_units(v, set.frame.cell, {}); });
+}
 
 }  // namespace
+
+SampleGrid sample_grid(const FieldContent& content, const Box3& model, double cell) {
+  Box3 box = content.box.value_or(model);
+  const double margin = content.box ? 0 : kMargin * model.longest_side();
+  box.lower -= Vec3{margin, margin, margin}, box.upper += Vec3{margin, margin, margin};
+  SampleGrid grid{{}, box.lower, cell};
+  if (content.samples) grid.spacing = box.longest_side() / (*content.samples - 1);
+  if (content.spacing) grid.spacing = content.spacing->in_model_units(model.diagonal(), cell);
+  if (!(grid.spacing > 0)) throw Error(ErrorCode::usage, fmt::format("a spacing of {:g} is none", grid.spacing), "give a box that has a size, and a spacing above zero");
+  double all = 1;
+  for (int a = 0; a < 3; ++a) {
+    const double steps = std::ceil((box.upper[a] - box.lower[a]) / grid.spacing * (1 - 1e-9));
+    all *= steps + 1;
+    if (all > kMostSamples)
+      throw Error(ErrorCode::memory_limit, fmt::format("a spacing of {:.4g} makes more than {:.3g} samples", grid.spacing, kMostSamples), "choose a larger --spacing, fewer --samples, or a smaller --box");
+    grid.nodes[static_cast<std::size_t>(a)] = static_cast<std::uint32_t>(steps) + 1;
+  }
+  return grid;
+}
 
 FieldOutput::FieldOutput(const std::string& path, bool overwrite) {
   told_.file = path;
@@ -29,19 +118,53 @@ void FieldOutput::require_memory(std::size_t cells, std::uint64_t held, std::uin
               hint);
 }
 
-std::string FieldOutput::stage(std::size_t cells) {
-  return cells > kManyCells ? fmt::format("writing {} million cells", cells / 1'000'000) : "writing";
+std::string FieldOutput::stage(std::size_t count, const char* what) {
+  return count > kManyCells ? fmt::format("writing {} million {}", count / 1'000'000, what) : "writing";
 }
 
-void FieldOutput::write(const CellGrid& grid, Progress& progress) {
-  const WrittenField written = write_field(file_->fd(), file_->destination(), grid, format_, progress);
+void FieldOutput::commit() {
   struct stat status {};
   if (::fstat(file_->fd(), &status) == 0) told_.bytes = static_cast<std::uint64_t>(status.st_size);
   file_->commit();
   told_.written = true;
+}
+
+void FieldOutput::write(const CellGrid& grid, Progress& progress) {
+  const WrittenField written = write_field(file_->fd(), file_->destination(), grid, format_, progress);
+  commit();
   told_.cell_count = written.cells;
   told_.point_count = written.points;
   told_.octant_count = written.octants;
+}
+
+void FieldOutput::write(const SampleGrid& grid, const FieldSamples& samples, const GridFrame& frame, const std::optional<double>& clamp, Progress& progress) {
+  const std::size_t row = grid.nodes[0], layer = row * grid.nodes[1];
+  VoxelSource source{grid.nodes, grid.origin, {grid.spacing, grid.spacing, grid.spacing}, "phi", {}};
+  source.fill = [&](std::uint32_t first, std::uint32_t last, std::span<float> values) {
+    parallel_ranges(layer * (last - first), kGrain, [&](std::size_t begin, std::size_t end) {
+      progress.check();
+      std::array<Vec3, kGrain> points;
+      std::array<double, kGrain> phi;
+      for (std::size_t n = begin; n < end; ++n) {
+        const Vec3 node{static_cast<double>(n % row), static_cast<double>(n % layer / row), static_cast<double>(first + n / layer)};
+        points[n - begin] = frame.to_lattice(grid.origin + node * grid.spacing);
+      }
+      samples.at({points.data(), end - begin}, phi.data());
+      for (std::size_t n = begin; n < end; ++n) values[n] = in_model_units(phi[n - begin], frame.cell, clamp);
+    });
+  };
+  write_voxels(file_->fd(), file_->destination(), source, format_ == FieldFormat::vti ? VoxelFormat::vti : VoxelFormat::nrrd, progress);
+  commit();
+  told_.samples = grid.nodes;
+  told_.spacing = grid.spacing;
+}
+
+void FieldOutput::write(const LevelSet& set, const FieldSamples& samples, double half_width, Progress& progress) {
+  VdbSource source{set.frame.origin, set.frame.cell, half_width, "surface", BandBlocks(set, half_width).take(), {}};
+  source.fill = [&](std::size_t block, std::span<float> phi) { sample_block(set, samples, source.blocks[block], phi); };
+  told_.voxel_count = write_vdb(file_->fd(), file_->destination(), source, progress).active_voxels;
+  commit();
+  told_.spacing = set.frame.cell;
 }
 
 }  // namespace burnish

@@ -208,6 +208,7 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
     tell_unresolved(built, report);
     result.regions = built.regions;
     result.growth = std::move(built.growth);
+    result.certainty = std::move(built.certainty);
     result.nearest = std::move(built.nearest);
     parallel_for(result.nearest.values().size(), [&](std::size_t n) {
       std::uint32_t& facet = result.nearest.values()[n];

@@ -19,6 +19,7 @@ struct BuiltLevelSet {
   // Those of them that have an area, which are what the octree's lists number. Not of a shell.
   std::vector<std::uint32_t> facets;
   Field<std::uint32_t> nearest;  // the prepared soup's facet nearest to each node, if it was asked for
+  Field<std::uint8_t> certainty; // of each node's side (levelset/sign.h); empty: all are certain, or it is a shell
   std::size_t regions = 0;       // connected parts of the lattice that facets separate
   GrowthStatistics growth;       // of an adaptive octree (levelset/from_triangles.h)
 };

@@ -330,7 +330,8 @@ std::string to_json(const FieldResult& r) {
   Json output;
   if (!o.file.empty())
     output = {{"file", o.file},       {"format", o.format},        {"cells", name(o.cells)},          {"written", o.written},
-              {"cell_count", o.cell_count}, {"point_count", o.point_count}, {"octant_count", o.octant_count}, {"bytes", o.bytes}};
+              {"cell_count", o.cell_count}, {"point_count", o.point_count}, {"octant_count", o.octant_count},
+              {"samples", o.samples[0] > 0 ? Json(o.samples) : Json()}, {"spacing", o.spacing > 0 ? Json(o.spacing) : Json()}, {"voxel_count", o.voxel_count}, {"bytes", o.bytes}};
   const auto or_null = [&](Json part) { return r.failure ? Json() : part; };
   Json by_level = Json::array(), divided;
   for (std::size_t l = 0; l < g.by_level.size(); ++l)
@@ -350,7 +351,8 @@ std::string to_json(const FieldResult& r) {
        {{"cell", r.options.cell}, {"cell_was_chosen", r.options.cell_was_chosen}, {"cells_along_longest_side", r.options.cells_along_longest_side},
         {"band", r.band}, {"gap", json_of(r.options.gap)}, {"max_hole", json_of(r.options.max_hole)}, {"adapt", json_of(r.options.adapt)},
         {"max_face_limit", json_of(r.limits.max_face_limit)}, {"max_face_cut", json_of(r.limits.max_face_cut)},
-        {"refine_tol", json_of(r.limits.refine_tol)}, {"coarsest_level", r.options.coarsest_level}, {"memory_bytes", r.options.memory_bytes}}},
+        {"refine_tol", json_of(r.limits.refine_tol)}, {"coarsest_level", r.options.coarsest_level}, {"smooth", r.options.smooth},
+        {"smooth_auto", r.options.smooth_auto}, {"memory_bytes", r.options.memory_bytes}}},
       {"before", json_of(r.before)},
       {"facets", or_null({{"used", r.facets}, {"interior", r.interior_facets}, {"unresolved", r.unresolved_facets}})},
       {"regions", or_null({{"count", r.regions}, {"ambiguous", r.ambiguous_regions}})},
@@ -358,6 +360,7 @@ std::string to_json(const FieldResult& r) {
        or_null({{"blocks", g.blocks}, {"finest_blocks", g.finest_blocks}, {"near_blocks", g.near_blocks}, {"nodes", g.nodes}, {"levels", g.levels},
                 {"by_level", std::move(by_level)}, {"divided", std::move(divided)}, {"bytes", g.bytes}, {"bytes_planned", g.bytes_planned}})},
       {"volume", or_null({{"input", r.volume.input}, {"prepared", r.volume.prepared}, {"level_set", r.volume.level_set}})},
+      {"smoothing", json_of(r.smoothing)},
       {"redistancing", r.redistancing ? json_of(*r.redistancing) : Json()},
       {"verification", r.verification ? json_of(*r.verification, r.options.cell) : Json()},
       {"stages", json_of(r.stages)},

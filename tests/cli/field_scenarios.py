@@ -1,11 +1,15 @@
 """What `burnish field` writes, as VTK reads it, and what is drawn of it."""
+import gzip
 import json
+import math
+import re
+import struct
 import subprocess
 from pathlib import Path
 
 import models
 from runner import expect
-from scenarios import QUICK, scenario
+from scenarios import DOCS, QUICK, scenario
 
 READ_FIELD = """if True:
     import json, sys
@@ -165,6 +169,123 @@ def cells_name_the_facet_they_are_near_to(box):
             expect(abs(abs(corner[axis] - triangle[0][axis]) - abs(distance_to_unit_cube(corner))) < 1e-6, f"facet {facet} at {corner}")
 
 
+READ_IMAGE = """if True:
+    import json, sys
+    from vtkmodules import vtkCommonCore
+    from vtkmodules.vtkIOXML import vtkXMLImageDataReader
+    from vtkmodules.vtkIOImage import vtkNrrdReader
+    reader = vtkNrrdReader() if sys.argv[1].endswith(".nrrd") else vtkXMLImageDataReader()
+    reader.SetFileName(sys.argv[1])
+    reader.Update()
+    image = reader.GetOutput()
+    phi = image.GetPointData().GetScalars()
+    print(json.dumps({"nodes": image.GetDimensions(), "origin": image.GetOrigin(), "spacing": image.GetSpacing(),
+                      "phi": [phi.GetTuple1(i) for i in range(phi.GetNumberOfTuples())]}))"""
+
+
+def read_nrrd(data):
+    """By the format's own description: a head of lines, an empty line, a gzip stream."""
+    head, body = data.split(b"\n\n", 1)
+    fields = dict(line.split(": ", 1) for line in head.decode().splitlines()[1:])
+    expect(fields["type"] == "float" and fields["endian"] == "little" and fields["encoding"] == "gzip", f"{fields}")
+    vectors = [[float(c) for c in v.strip("()").split(",")] for v in fields["space directions"].split()]
+    nodes = [int(n) for n in fields["sizes"].split()]
+    values = struct.unpack(f"<{nodes[0] * nodes[1] * nodes[2]}f", gzip.decompress(body))
+    return {"nodes": nodes, "origin": [float(c) for c in fields["space origin"].strip("()").split(",")], "spacing": [vectors[a][a] for a in range(3)], "phi": values}
+
+
+def run_vtk(script, *arguments, cwd=None):
+    """What a script of Debian's Python printed; None without VTK."""
+    result = subprocess.run(["/usr/bin/python3", "-c", script, *map(str, arguments)], capture_output=True, timeout=240, cwd=cwd)
+    if b"No module named 'vtk" in result.stderr:
+        print("  skipped: no VTK (scripts/bootstrap picture)")
+        return None
+    expect(result.returncode == 0 and not result.stderr, result.stderr.decode())
+    return result.stdout
+
+
+def expect_distances_to_the_cube(read, limit=None):
+    i = 0
+    for z in range(read["nodes"][2]):
+        for y in range(read["nodes"][1]):
+            for x in range(read["nodes"][0]):
+                at = [o + s * n for o, s, n in zip(read["origin"], read["spacing"], (x, y, z))]
+                exact = distance_to_unit_cube(at)
+                if limit:
+                    exact = max(-limit, min(limit, exact))
+                expect(abs(read["phi"][i] - exact) <= 1e-7, f"phi {read['phi'][i]} at {at}, expected {exact}")
+                i += 1
+    expect(i == len(read["phi"]), f"{len(read['phi'])} values")
+
+
+@scenario("field")
+def uniform_grids_have_the_distance(box):
+    for suffix in ("vti", "nrrd"):
+        for options, nodes, limit in ((["--samples", "23"], [23] * 3, None), (["--spacing", "0.125", "--box", "-0.5,0.25,0,2,1,1"], [21, 7, 9], None),
+                                      (["--samples", "23", "--narrow-band", "0.1"], [23] * 3, 0.1)):
+            name = f"f.{suffix}"
+            report = json.loads(box.succeed(["field", "cube.stl", "-o", name, "--overwrite", "--json", "-q", "--cell", "0.05", *options]).out)
+            out = run_vtk(READ_IMAGE, box.folder / name)
+            read = read_nrrd(box.read(name)) if suffix == "nrrd" else None
+            if out is not None:
+                by_vtk = json.loads(out)
+                expect(read is None or list(read["phi"]) == by_vtk["phi"], "VTK reads other values")
+                read = by_vtk
+            if read is None:
+                continue
+            expect(list(read["nodes"]) == nodes == report["output"]["samples"], f"{name}: {read['nodes']} nodes")
+            expect(abs(read["spacing"][0] - report["output"]["spacing"]) < 1e-12, f"{name}: spacing {read['spacing']}")
+            expect_distances_to_the_cube(read, limit)
+
+
+@scenario("field")
+def narrow_bands_have_cells_near_the_surface_only(box):
+    box.succeed(["field", "cube.stl", "-o", "all.vtu", "-q", "--cell", "0.05"])
+    box.succeed(["field", "cube.stl", "-o", "band.vtu", "-q", "--cell", "0.05", "--narrow-band", "2h", "--data", "phi,mean_curvature,sign_confidence", "--cell-centred"])
+    everything, band = read_field(box.folder / "all.vtu"), read_field(box.folder / "band.vtu")
+    if everything is None:
+        return
+    expect(set(everything["cells"]) == {"phi", "level", "inside", "block", "facet", "mean_curvature", "sign_confidence"}, f"arrays {set(everything['cells'])}")
+    expect(set(band["cells"]) == {"phi", "mean_curvature", "sign_confidence"} and band["at"] == [], f"arrays {set(band['cells'])}")
+    expected = [b for b, phi in zip(everything["bounds"], everything["cells"]["phi"]) if abs(phi) <= 2 * 0.05]
+    expect(band["bounds"] == expected, f"{len(band['bounds'])} cells, expected {len(expected)}")
+    expect(set(band["cells"]["sign_confidence"]) == {1}, "a closed cube is certain")
+    # A face is flat, away from the edges.
+    flat = [k for b, k in zip(band["bounds"], band["cells"]["mean_curvature"]) if all(0.3 < c < 0.7 for c in b[0:4]) and not math.isnan(k)]
+    expect(len(flat) > 50 and max(abs(k) for k in flat) < 1e-3, f"{len(flat)} cells of a face, curvatures up to {max(map(abs, flat), default=0)}")
+
+
+@scenario("field")
+def smoothed_fields_have_the_smoothed_surface(box):
+    for suffix in ("vtu", "htg", "vti"):
+        box.succeed(["field", "cube.stl", "-o", f"f.{suffix}", "-q", "--cell", "0.05", "--smooth", "0.5", "--mode", "mcf", "--free-volume"])
+    read = read_field(box.folder / "f.vtu")
+    if read is None:
+        return
+    expect("facet" not in read["cells"], "a smoothed surface has no facets")
+    # Corners are rounded, so the distance there is less; in the middle of faces the surface stays.
+    for at, phi in zip(read["at"], read["phi"]):
+        exact = distance_to_unit_cube(at)
+        expect(phi <= exact + 0.01 or exact < 0, f"phi {phi} at {at} of {exact}")
+        if sum(abs(c - 0.5) < 0.1 for c in at) == 2 and exact > -1:
+            expect(abs(phi - exact) < 0.03, f"phi {phi} at {at} of {exact}")
+    corner = min(zip(read["at"], read["phi"]), key=lambda q: sum(abs(c - 0.99) for c in q[0]))
+    expect(corner[1] < -0.03, f"phi {corner[1]} at the corner")
+
+
+@scenario("field")
+def documented_lines_run(box):
+    """The lines for VTK's Python in docs/formats.md."""
+    for suffix in ("vtu", "htg", "vti", "nrrd"):
+        box.succeed(["field", "cube.stl", "-o", f"part.{suffix}", "-q", "--cell", "0.1"])
+    page = (DOCS / "formats.md").read_text()
+    blocks = [b for b in re.findall(r"```python\n(.*?)```", page, re.S) if "vtk" in b]
+    expect(len(blocks) >= 3, f"{len(blocks)} blocks")
+    for block in blocks:
+        if run_vtk(block, cwd=box.folder) is None:
+            return
+
+
 @scenario("field")
 def render_octree_draws_a_section(box):
     script = Path(__file__).resolve().parents[2] / "scripts" / "render_octree"
@@ -182,7 +303,8 @@ def render_octree_draws_a_section(box):
 
 @scenario("field")
 def fields_do_not_depend_on_threads(box):
-    for suffix, options in (("vtu", []), ("htg", []), ("vtu", ["--adapt", "0.1h"]), ("htg", ["--cell-octree"])):
+    for suffix, options in (("vtu", []), ("htg", []), ("vtu", ["--adapt", "0.1h"]), ("htg", ["--cell-octree"]), ("vti", []), ("nrrd", ["--adapt", "0.1h"]),
+                            ("vti", ["--smooth", "3h", "--mode", "volume"])):
         for threads in "12":
             box.succeed(["field", "crossing.stl", "-q", "-o", f"{threads}.{suffix}", "--overwrite", "--threads", threads, *QUICK, *options])
         expect(box.read(f"1.{suffix}") == box.read(f"2.{suffix}"), f"{suffix} differs, {options}")

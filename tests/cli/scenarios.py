@@ -580,7 +580,7 @@ def every_field_of_the_schemas_is_described(_):
 
 @scenario("schemas")
 def fields(box):
-    for options in ([], ["-o", "f.htg", "--blocks"], ["-o", "f.vtu", "--verify-exact", "100", "--band", "5"], ["--adapt", "0.1h", "--max-face-cut", "9"]):
+    for options in ([], ["-o", "f.htg", "--blocks"], ["-o", "f.vti"], ["-o", "g.htg", "--smooth", "3h", "--mode", "mcf"], ["-o", "f.vtu", "--verify-exact", "100", "--band", "5"], ["--adapt", "0.1h", "--max-face-cut", "9"]):
         result = json.loads(box.succeed(["field", "crossing.stl", "--json", "-q", *QUICK, *options]).out)
         expect_valid("field.schema.json", result)
         expect((result["output"] is None) == ("-o" not in options), f"output: {result['output']}")

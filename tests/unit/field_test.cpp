@@ -2,8 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "burnish/io/voxel_volume.h"
 #include "support/folder.h"
 #include "support/shapes.h"
 
@@ -17,6 +20,11 @@ FieldJob job_for(const Folder& folder, const TriangleSoup& soup, int resolution)
   job.input = folder.write("in.stl", soup);
   job.options.resolution = resolution;
   return job;
+}
+
+double distance_in_unit_cube(const Vec3& p) {
+  const Vec3 q{std::abs(p.x - 0.5) - 0.5, std::abs(p.y - 0.5) - 0.5, std::abs(p.z - 0.5) - 0.5};
+  return -norm(max(q, Vec3{})) - std::min(0.0, std::max({q.x, q.y, q.z}));
 }
 
 TEST(Field, ReportsTheOctreeAndTheVolume) {
@@ -157,6 +165,78 @@ TEST(Field, TooManyCellsForTheBudgetAreRefused) {
     EXPECT_NE(error.hint().find("--blocks"), std::string::npos);
   }
   EXPECT_EQ(folder.file_count(), 1);
+}
+
+// Distances to the input's facets, on a grid of the user's.
+TEST(Field, UniformGridsHaveTheDistance) {
+  const Folder folder;
+  for (const char* suffix : {".vti", ".nrrd"}) {
+    FieldJob job = job_for(folder, cube(), 24);
+    job.output = folder.path(std::string("out") + suffix);
+    job.content.box = Box3{{-1, 0, 0.2}, {3, 1.1, 0.7}};
+    job.content.samples = 41;
+    const FieldResult result = field(job);
+    ASSERT_TRUE(result.output.written);
+    const VoxelVolume volume = read_voxels(job.output);
+    EXPECT_EQ(volume.nodes, (std::array<std::uint32_t, 3>{41, 12, 6}));
+    EXPECT_EQ(volume.nodes, result.output.samples);
+    std::size_t v = 0;
+    for (std::uint32_t k = 0; k < volume.nodes[2]; ++k)
+      for (std::uint32_t j = 0; j < volume.nodes[1]; ++j)
+        for (std::uint32_t i = 0; i < volume.nodes[0]; ++i, ++v) {
+          const Vec3 p = volume.origin + Vec3{i * volume.spacing.x, j * volume.spacing.y, k * volume.spacing.z};
+          const double exact = distance_in_unit_cube(p), phi = static_cast<double>(volume.values[v]);
+          ASSERT_NEAR(phi, exact, 1e-7 * std::max(1.0, std::abs(exact))) << p.x << ' ' << p.y << ' ' << p.z;
+        }
+    job.content.narrow_band = Length{0.1, LengthUnit::model};
+    job.overwrite = true;
+    field(job);
+    const VoxelVolume clamped = read_voxels(job.output);
+    for (v = 0; v < clamped.values.size(); ++v) ASSERT_EQ(clamped.values[v], std::clamp(volume.values[v], -0.1f, 0.1f));
+  }
+}
+
+// The flow's surface, and a distance through the whole domain.
+TEST(Field, SmoothedIsTheDistanceToTheSmoothedSurface) {
+  const Folder folder;
+  TriangleSoup ball = icosphere(4);
+  for (std::size_t p = 0; p < ball.points.size(); ++p) ball.points[p] = ball.points[p] * (1 + (p % 3 == 0 ? 0.02 : p % 3 == 1 ? -0.02 : 0.0));
+  for (const bool adapt : {false, true}) {
+    FieldJob job = job_for(folder, ball, 48);
+    job.options.smooth = Length{0.6, LengthUnit::model};
+    job.options.mode = SmoothMode::volume;
+    if (adapt) job.options.adapt = Length{0.1, LengthUnit::cells};
+    job.output = folder.path("out.vti");
+    job.overwrite = true;
+    job.content.box = Box3{{-1.6, -1.6, -1.6}, {1.6, 1.6, 1.6}};
+    job.content.samples = 33;
+    const FieldResult result = field(job);
+    ASSERT_TRUE(result.output.written);
+    EXPECT_EQ(result.smoothing.mode, SmoothMode::volume);
+    EXPECT_GT(result.smoothing.rms_moved, 0.002);
+    const VoxelVolume volume = read_voxels(job.output);
+    std::size_t v = 0;
+    double worst = 0;
+    for (int k = 0; k < 33; ++k)
+      for (int j = 0; j < 33; ++j)
+        for (int i = 0; i < 33; ++i, ++v) {
+          const double r = 0.1 * norm(Vec3{i - 16.0, j - 16.0, k - 16.0});
+          if (r > 0.3) worst = std::max(worst, std::abs(static_cast<double>(volume.values[v]) - (1 - r)));
+        }
+    EXPECT_LT(worst, 0.012) << "adaptive: " << adapt;
+  }
+}
+
+TEST(Field, SmoothingExcludesWhatHoldsOnToTheFacets) {
+  const Folder folder;
+  FieldJob job = job_for(folder, cube(), 24);
+  job.options.smooth = Length{0.2, LengthUnit::model};
+  job.verify = 10;
+  EXPECT_THROW(field(job), Error);
+  job.verify = 0;
+  job.redistance = RedistanceMethod::fmm;
+  job.exact = ExactNodes::band;
+  EXPECT_THROW(field(job), Error);
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/field_files.h"
+#include "burnish/io/vdb.h"
 #include "support/folder.h"
 #include "support/mesh_bytes.h"
 
@@ -137,6 +138,13 @@ std::vector<LatticeCube> eight_cubes_one_split() {
 TEST(FieldFiles, FormatsBySuffix) {
   EXPECT_EQ(field_format_for_writing("a/b.vtu"), FieldFormat::vtu);
   EXPECT_EQ(field_format_for_writing("B.HTG"), FieldFormat::htg);
+  EXPECT_EQ(field_format_for_writing("a.vti"), FieldFormat::vti);
+  EXPECT_EQ(field_format_for_writing("a.NRRD"), FieldFormat::nrrd);
+  if (has_openvdb()) {
+    EXPECT_EQ(field_format_for_writing("a.vdb"), FieldFormat::vdb);
+  } else {
+    EXPECT_THROW(field_format_for_writing("a.vdb"), Error);
+  }
   for (const char* path : {"a.stl", "a", "-", "a.vtu/b"}) {
     try {
       field_format_for_writing(path);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -114,6 +115,75 @@ TEST(OctreeCells, FacetsAreThoseOfTheInput) {
   const OctreeCells cells(built, input_facet, FieldCells::near);
   const std::vector<LatticeCube> cubes{{{0, 0, 0}, 0}, {{0, 0, 0}, 3}, {{15, 14, 13}, 0}, {{0, 1, 0}, 0}, {{0, 0, 0}, 4}};
   EXPECT_EQ(values_of(cells.grid(), "facet", cubes), (std::vector<double>{20, 10, -1, -1, -1}));
+}
+
+TEST(OctreeCells, OnlyThoseThatAreChosen) {
+  const BuiltLevelSet built = linear_field(Octree::build(2, all_blocks(2)));
+  const std::vector<std::uint32_t> no_facets;
+  CellChoice choice;
+  choice.arrays = {FieldArray::level, FieldArray::phi};
+  choice.at_points = false;
+  choice.within = 2;
+  const OctreeCells every(built, no_facets, FieldCells::near), some(built, no_facets, FieldCells::near, choice);
+  const CellGrid all = every.grid(), grid = some.grid();
+  EXPECT_TRUE(grid.point_arrays.empty());
+  ASSERT_EQ(grid.cell_arrays.size(), 2u);
+  std::vector<LatticeCube> cubes(all.count), chosen(grid.count), expected;
+  all.cubes(0, cubes);
+  grid.cubes(0, chosen);
+  const auto phi = values_of(all, "phi", cubes);
+  for (std::size_t c = 0; c < cubes.size(); ++c)
+    if (std::abs(phi[c]) <= 0.5 * 2) expected.push_back(cubes[c]);  // a cell is half a unit wide
+  ASSERT_EQ(chosen.size(), expected.size());
+  EXPECT_GT(chosen.size(), 1000u);
+  for (std::size_t c = 0; c < chosen.size(); ++c) ASSERT_EQ(chosen[c].corner, expected[c].corner);
+  choice.within.reset();
+  choice.clamp = 2;
+  const OctreeCells ending(built, no_facets, FieldCells::near, choice);
+  const auto clamped = values_of(ending.grid(), "phi", cubes);
+  for (std::size_t c = 0; c < cubes.size(); ++c) ASSERT_EQ(clamped[c], std::clamp(phi[c], -1.0, 1.0));
+}
+
+// Of a ball 1 / R, in the model's units, at cells that the surface is in or beside, and nowhere else.
+TEST(OctreeCells, MeanCurvatureIsThatOfTheSurface) {
+  BuiltLevelSet built;
+  const Vec3 center{32.2, 31.7, 32.4};
+  constexpr double kRadius = 20;
+  built.level_set = level_set_of<float>(Octree::build(3, all_blocks(3)), [&](const LatticeNode& n) { return kRadius - norm(to_vec(n) - center); });
+  built.level_set.frame.cell = 0.25;
+  built.level_set.band = 1e9;
+  const Field<float> curvature = curvature_of_cells(built.level_set, no_progress());
+  const std::vector<std::uint32_t> no_facets;
+  CellChoice choice;
+  choice.curvature = &curvature;
+  const OctreeCells cells(built, no_facets, FieldCells::near, choice);
+  const CellGrid grid = cells.grid();
+  std::vector<LatticeCube> cubes(grid.count);
+  grid.cubes(0, cubes);
+  const auto found = values_of(grid, "mean_curvature", cubes), confidence = values_of(grid, "sign_confidence", cubes);
+  std::size_t near = 0;
+  for (std::size_t c = 0; c < cubes.size(); ++c) {
+    ASSERT_EQ(confidence[c], 1);
+    const double phi = kRadius - norm(center_of(cubes[c]) - center);
+    if (std::abs(phi) < 0.98) {
+      ASSERT_NEAR(found[c], 1 / (kRadius * 0.25), 0.01 / (kRadius * 0.25));
+      ++near;
+    } else if (std::abs(phi) > 1.05) {
+      ASSERT_TRUE(std::isnan(found[c]));
+    }
+  }
+  EXPECT_GT(near, 5000u);
+}
+
+TEST(OctreeCells, ConfidenceIsThatOfTheLeastCertainCorner) {
+  BuiltLevelSet built = linear_field(Octree::build(1, all_blocks(1)));
+  built.certainty = Field<std::uint8_t>(8, 255);
+  built.certainty.block(1)[node_index(0, 3, 3)] = 51;  // lattice node (8, 3, 3)
+  const std::vector<std::uint32_t> no_facets;
+  const OctreeCells cells(built, no_facets, FieldCells::near);
+  const std::vector<LatticeCube> cubes{{{7, 2, 2}, 0}, {{8, 3, 3}, 0}, {{9, 3, 3}, 0}, {{8, 0, 0}, 3}, {{0, 0, 0}, 3}, {{15, 15, 15}, 0}};
+  const auto confidence = values_of(cells.grid(), "sign_confidence", cubes);
+  EXPECT_EQ(confidence, (std::vector<double>{0.2, 0.2, 1, 0.2, 1, 1}));
 }
 
 }  // namespace

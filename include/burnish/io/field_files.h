@@ -48,7 +48,7 @@ struct CellGrid {
   Vec3 origin;      // model coordinates of lattice point (0, 0, 0), the domain's lower corner
   double cell = 1;  // side of the finest cell in model units
   int depth = 0;    // 2^depth finest cells along each side of the domain
-  // The cubes tile the domain and are in Morton order (x fastest). `cubes` computes those from number `first` on, as many as there
+  // The cubes are disjoint and in Morton order (x fastest); those of a .htg tile the domain. `cubes` computes those from number `first` on, as many as there
   // is room for.
   std::size_t count = 0;
   std::function<void(std::size_t first, std::span<LatticeCube>)> cubes;
@@ -57,12 +57,18 @@ struct CellGrid {
   std::vector<ItemArray<LatticePoint>> point_arrays;  // left out of a .htg
 };
 
-enum class FieldFormat { vtu, htg };
+// What a field can be written as: cells (vtu, htg: write_field below), values on a uniform grid (vti, nrrd: io/voxel_volume.h), or a narrow
+// band of voxels (vdb: io/vdb.h).
+enum class FieldFormat { vtu, htg, vti, nrrd, vdb };
 
-// ".vtu", ".htg".
+inline constexpr bool holds_cells(FieldFormat format) { return format == FieldFormat::vtu || format == FieldFormat::htg; }
+inline constexpr bool holds_samples(FieldFormat format) { return format == FieldFormat::vti || format == FieldFormat::nrrd; }
+
+// ".vtu", ".htg", ".vti", ".nrrd", ".vdb".
 std::string_view name(FieldFormat format);
 
-// The format that a path's suffix asks for. Throws Error{usage} for any other one, naming the known ones.
+// The format that a path's suffix asks for. Throws Error{usage} for any other one, naming the known ones, and
+// for .vdb in a build without OpenVDB.
 FieldFormat field_format_for_writing(const std::string& path);
 
 // An upper bound of the memory that writing this many cubes takes.
@@ -74,7 +80,7 @@ struct WrittenField {
   std::size_t octants = 0; // of a .htg: cells, and what holds them
 };
 
-// Writes to the open file descriptor `fd`, which must be able to seek, and leaves it open.
+// Writes a .vtu or .htg to the open file descriptor `fd`, which must be able to seek, and leaves it open.
 // Throws Error{unwritable_output}, naming `label`, when the system refuses bytes; Error{memory_limit} if the domain is wider than
 // 2^20 cubes of the smallest size; Error{interrupted}.
 // Cost: about 1.5 us of CPU time a cell and 22 bytes of the file for a .vtu, 0.6 us and 6 bytes for a .htg.

@@ -4,10 +4,12 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <span>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burnish/core/progress.h"
@@ -15,24 +17,31 @@
 
 namespace burnish {
 
-enum class VoxelType : std::uint8_t { uint8, int8, uint16, int16, uint32, int32, float32, float64 };
+enum class VoxelType : std::uint8_t { uint8, int8, uint16, int16, uint32, int32, uint64, int64, float32, float64 };
+
+std::string_view name(VoxelType type);  // "uint8" ... "float64"
 
 struct VoxelVolume {
   std::array<std::uint32_t, 3> nodes{};  // along x, y, z
   Vec3 origin;                           // of node (0, 0, 0)
   Vec3 spacing{1, 1, 1};                 // positive
   std::string name;                      // of the array, if the file says
-  VoxelType type = VoxelType::float32;   // of the file; values below hold any of them but uint32, int32 and float64 exactly
+  VoxelType type = VoxelType::float32;   // of the file; values below hold those of up to 16 bits and float32 exactly, others rounded
   std::vector<float> values;
 
   std::size_t size() const { return std::size_t{nodes[0]} * nodes[1] * nodes[2]; }
 };
 
-// Reads a .vti (XML; ascii, base64 inline, appended raw or base64; zlib or no compression; UInt32 or UInt64 headers; both byte orders; PointData; CellData
-// become nodes at cell centres) or a .nrrd (attached or detached data; raw, gzip, ascii encodings; both byte orders; `spacings`, or `space directions` along
-// the axes, negative ones flipped; three axes, or four with one of length 1). `array`: which of several; empty: the active scalars, else the first.
-// Throws Error{unreadable_input} with the place, what was expected and what was found; Error{memory_limit} if it does not fit into `memory` bytes.
+// Reads a .vti (XML; one piece; ascii, base64 inline, appended raw or base64; zlib or no compression; UInt32 or UInt64 headers; both byte orders; PointData;
+// CellData become nodes at cell centres) or a .nrrd, .nhdr (attached or detached data; raw, gzip, ascii encodings; both byte orders; `spacings`, or `space
+// directions` along the axes; three axes, or four with one of length 1). Axes that run backwards are turned round. `array`: which of several; empty: the active
+// scalars, else the first of one component. Values may be NaN or infinite: whoever uses them has to look.
+// Sizes in the file are believed only as far as its bytes can hold them. Throws Error{unreadable_input} with the place, what was expected and what was found;
+// Error{memory_limit} if the values do not fit into `memory` bytes; Error{interrupted}.
 VoxelVolume read_voxels(const std::string& path, const std::string& array = {}, std::uint64_t memory = UINT64_MAX, Progress& progress = no_progress());
+// The same of bytes in memory, whose format `label`'s suffix tells; data that stand in another file are an error.
+VoxelVolume read_voxels(std::span<const std::byte> bytes, const std::string& label, const std::string& array = {}, std::uint64_t memory = UINT64_MAX,
+                        Progress& progress = no_progress());
 
 // True if the path's suffix is one that read_voxels knows.
 bool is_voxel_file(const std::string& path);

@@ -31,6 +31,7 @@ struct LevelSetFromTriangles {
   std::vector<FacetRole> roles;        // of every facet
   GrowthStatistics growth;             // of an adaptive octree: what divided its octants; the error criterion comes last
   Field<std::uint32_t> nearest;        // a facet nearest to each node, if it was asked for; kNoFacet where none was looked for
+  Field<std::uint8_t> certainty;       // of each node's side, 0 to 255 (levelset/sign.h); empty: all are certain
 };
 
 // How much coarser than the finest cells blocks near the surface may be.

@@ -23,6 +23,9 @@ struct InsideField {
   std::size_t regions = 0;
   std::size_t ambiguous_regions = 0;  // that leaked
   std::size_t evaluations = 0;        // of the winding number
+  // How clear the winding number w was that decided a node's side: |2 w - 1|, at most 1, times 255. 255 wherever the samples of a node's region
+  // agree; of a block's part that was decided as a whole, that of its least clear node. In inside's layout; empty: no region is ambiguous.
+  Field<std::uint8_t> certainty;
 };
 
 // `lattice_soup`: the capped soup in lattice coordinates; `distance` and `crossed` are fields over `grid`. A soup that is a closed chain

@@ -1,6 +1,7 @@
 // The level set itself as a result: built as `clean` builds it, reported, checked against exact distances, written.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -32,10 +33,34 @@ enum class ExactNodes {
 
 std::string_view name(ExactNodes nodes);  // "cells", "band"
 
+// Arrays of cells in a .vtu or .htg, as docs/formats.md describes them.
+enum class FieldArray : std::uint8_t { phi, level, inside, block, facet, curvature, sign_confidence, accepted };
+inline constexpr std::size_t kFieldArrays = 8;
+
+// "phi", "level", "inside", "block", "facet", "mean_curvature", "sign_confidence", "accepted": names in the file.
+std::string_view name(FieldArray array);
+
+// What is written, beside FieldCells.
+struct FieldContent {
+  std::vector<FieldArray> arrays;     // of a .vtu or .htg; empty: all that there are
+  bool cell_centred = false;          // of a .vtu: no values at points
+  // Distances that matter. A .vtu has no cells whose centre is farther from the surface; elsewhere |phi| ends there. Of a .vdb half the band's width;
+  // unset: 3 voxels.
+  std::optional<Length> narrow_band;
+  // Of a .vti or .nrrd: what it covers (unset: the model's box and 5 % of its longest side around it), and how finely: nodes along the
+  // box' longest side, or the distance between nodes; neither: the finest cell.
+  std::optional<Box3> box;
+  std::optional<int> samples;
+  std::optional<Length> spacing;
+};
+
 struct FieldJob {
   std::string input;          // a path, or "-" for standard input
-  std::string output;         // a .vtu or .htg; empty: nothing is written
-  CleanOptions options;       // those of preparation and resolution; method, smoothing and thickness are not looked at
+  std::string output;         // a .vtu, .htg, .vti, .nrrd or .vdb; empty: nothing is written
+  FieldContent content;
+  // Those of preparation, resolution and smoothing. A mode that works on facets is applied before distances, a flow to the level set, after which
+  // distances of the whole domain are computed anew. Thickness, walls and extraction are not looked at.
+  CleanOptions options;
   double band = 3;            // cells of exact distances on both sides of the surface, of the level of the cells there
   // The thesis' criteria for dividing blocks, beside options.adapt; the coarsest level follows from options.cell_max. With
   // neither all blocks near the surface are finest.
@@ -95,6 +120,9 @@ struct FieldFile {
   std::uint64_t cell_count = 0;
   std::uint64_t point_count = 0;   // of a .vtu
   std::uint64_t octant_count = 0;  // of a .htg: cells, and what holds them
+  std::array<std::uint32_t, 3> samples{};  // of a .vti or .nrrd: nodes along x, y, z
+  double spacing = 0;              // of these, and the voxel of a .vdb, in model units
+  std::uint64_t voxel_count = 0;   // of a .vdb: in the band
   std::uint64_t bytes = 0;
 };
 
@@ -114,6 +142,7 @@ struct FieldResult {
   std::size_t unresolved_facets = 0;  // of them, outside on both sides: sheets, or walls thinner than a cell
   FieldGrid grid;
   FieldVolume volume;
+  SmoothingSummary smoothing;
   std::optional<FieldRedistancing> redistancing;
   std::optional<DistanceCheck> verification;
   FieldFile output;
@@ -127,10 +156,12 @@ struct FieldResult {
 // whole domain (levelset/far_field.h, or redistancing if that is asked for); compares nodes with exact distances and writes the file, if asked to.
 //
 // The file (io/field_files.h; docs/formats.md) has a cell for each cell of the octree in blocks with facets within the band, and one
-// for each block beyond them, unless `cells` says otherwise. It is written also when a comparison fails.
+// for each block beyond them, unless `cells` says otherwise. Other formats have phi at the nodes of a uniform grid, or a narrow band of voxels: the
+// distance to the facets, exact but for rounding, however far; of a field that was smoothed or
+// redistanced the tricubic interpolant of its nodes, off by O(h^4) where that is smooth. The file is written also when a comparison fails.
 //
-// An input that bounds no solid comes back as `failure`. Throws Error for everything else: usage for an output of another suffix, and for a band below
-// least_band, before anything is read; unreadable input, unwritable output; memory_limit, also when the cells are too many to be written within
+// An input that bounds no solid comes back as `failure`. Throws Error for everything else: usage for an output of another suffix, for a band below
+// least_band, and for smoothing beside a comparison or ACCEPTED cells, before anything is read; unreadable input, unwritable output; memory_limit, also when the cells are too many to be written within
 // the budget; interrupted.
 FieldResult field(const FieldJob& job, Progress& progress = no_progress());
 
