@@ -246,7 +246,7 @@ class NrrdReader {
     const bool is_text = encoding == "ascii" || encoding == "text" || encoding == "txt", is_gzip = encoding == "gzip" || encoding == "gz";
     const std::size_t size = size_of(volume.type);
     if (!is_text && !is_gzip && encoding != "raw")
-      source_.fail_at(required("encoding").at, fmt::format("expected the encoding raw, gzip or ascii, found {}", quoted(encoding)), "write it with gzip");
+      source_.fail_at(required("encoding").at, fmt::format("expected the encoding raw, gzip or ascii, found {}", burnish::quoted(encoding)), "write it with gzip");
     if (skip < 0 && (skip != -1 || encoding != "raw")) source_.fail_at(required("byte skip").at, "expected a number of bytes, or -1 for raw data", kVoxelHint);
     const double most = is_text ? 0.5 * (static_cast<double>(bytes.size()) + 1) : static_cast<double>(bytes.size()) * (is_gzip ? kMostInflation : 1) / static_cast<double>(size);
     volume.values.resize(checked_count(data, volume.nodes, most * static_cast<double>(size), static_cast<double>(size), memory_));
