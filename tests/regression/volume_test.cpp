@@ -89,7 +89,7 @@ struct Bound {
 
 TEST_F(FromVolume, ABallComesBackWithinStatedBounds) {
   const double exact = 4.0 / 3 * std::numbers::pi * std::pow(kRadius, 3);
-  for (const Bound& bound : {Bound{Voxels::shares, 0, 5e-3, 0.06}, Bound{Voxels::shares, 4, 5e-3, 0.05}, Bound{Voxels::steps, 0, 1e-2, 0.3}, Bound{Voxels::steps, 4, 1e-2, 0.15}}) {
+  for (const Bound& bound : {Bound{Voxels::shares, 0, 3e-3, 0.045}, Bound{Voxels::shares, 4, 4e-3, 0.022}, Bound{Voxels::steps, 0, 3e-3, 0.2}, Bound{Voxels::steps, 4, 4e-3, 0.075}}) {
     const RepairReport report = clean(job(bound.voxels, bound.smooth));
     ASSERT_TRUE(report.written && report.verified && !report.failure);
     const double volume = report.after.volume / exact - 1;
