@@ -29,6 +29,7 @@ Examples:
   burnish dirty.stl -o clean.stl
   burnish scan.stl -o smooth.ply --smooth auto --report scan.json
   burnish dirty.stl -o - --resolution 400 -q > clean.stl
+  burnish --from-field ct.vti --iso 300 -o bone.stl --smooth 4h --mode volume
 
 Exit codes: 0 done and verified, 2 usage, 3 input unreadable, 4 output
 unwritable, 5 a guarantee could not be met, 6 memory limit, 7 time limit,
@@ -42,7 +43,7 @@ class CleanCommand : public Command {
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
             {"burnish IN -o OUT [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{"IN", "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }

@@ -16,6 +16,11 @@ void smoothing(const GivenValue& given, CleanOptions& options) {
   if (!options.smooth_auto) options.smooth = positive_length(given);
 }
 
+void iso_value(const GivenValue& given, VolumeOptions& options) {
+  options.iso_auto = given.text == "auto";
+  if (!options.iso_auto) options.iso = finite_number(given);
+}
+
 // Degrees above 0, and `most` at most.
 double angle(const GivenValue& given, double most) {
   const double degrees = non_negative_number(given);
@@ -31,6 +36,11 @@ void signed_offset(const GivenValue& given, CleanOptions& options) {
 
 std::vector<Option> rows(CleanOptions& o) {
   return {
+    {"--from-field", 0, "", "Volumes", "IN is a volume of values, .vti, .nrrd or .nhdr: its surface is where they are --iso.", switch_on(o.volume.asked)},
+    {"--iso", 0, "V", "Volumes", "The value on the surface of a volume; above it is inside. 'auto' takes Otsu's threshold.",
+     [&o](const GivenValue& v) { iso_value(v, o.volume); }},
+    {"--below", 0, "", "Volumes", "Inside are the values below --iso.", switch_on(o.volume.below)},
+    {"--array", 0, "NAME", "Volumes", "Which of several arrays of values. The active one, or the first, when not given.", store_text(o.volume.array)},
     {"--method", 0, "M", "Repair",
      "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
      [&o](const GivenValue& v) { o.method = one_of<Method>(v, {"auto", "local", "levelset"}); }},

@@ -76,6 +76,14 @@ std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::
   return value;
 }
 
+double finite_number(const GivenValue& given) {
+  double value = 0;
+  const char* const end = given.text.data() + given.text.size();
+  const auto [stop, error] = std::from_chars(given.text.data(), end, value);
+  if (error != std::errc{} || stop != end || !std::isfinite(value)) refuse(given, "expected a number", "");
+  return value;
+}
+
 double non_negative_number(const GivenValue& given) {
   double value = 0;
   const char* const end = given.text.data() + given.text.size();

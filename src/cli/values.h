@@ -31,6 +31,8 @@ T one_of(const GivenValue& given, const std::vector<std::string>& words) {
 RedistanceMethod redistance_method(const GivenValue& given);
 // A whole number within [least, most].
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most);
+// A finite number.
+double finite_number(const GivenValue& given);
 // A finite number that is not negative.
 double non_negative_number(const GivenValue& given);
 // A finite number above zero.

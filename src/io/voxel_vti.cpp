@@ -19,6 +19,8 @@
 namespace burnish::detail {
 namespace {
 
+constexpr std::int64_t kMostNodes = std::int64_t{1} << 31;  // along an axis
+
 enum class Section { none, points, cells };
 enum class Encoding { ascii, base64, raw };
 
@@ -147,8 +149,8 @@ class VtiReader {
     const auto extent = numbers_in<std::int64_t, 6>(text);
     bool good = extent.has_value();
     for (std::size_t a = 0; good && a < 6; a += 2) {
-      const auto [low, high] = std::pair((*extent)[a], (*extent)[a + 1]);
-      good = std::abs(low) < std::int64_t{1} << 31 && high >= low && high - low < (std::int64_t{1} << 32) - 1;
+      const std::int64_t low = (*extent)[a], high = (*extent)[a + 1];
+      good = low > -kMostNodes && high >= low && high < kMostNodes;
     }
     if (!good) source_.fail_at(tag.at, fmt::format("expected an extent of six whole numbers, from and to along each axis; found {}", quoted(text)), kVoxelHint);
     return *extent;

@@ -11,6 +11,7 @@
 #include "burnish/surface/transfer.h"
 #include "burnish/surface/weld.h"
 #include "losses.h"
+#include "read_input.h"
 #include "resolve_options.h"
 
 namespace burnish {
@@ -44,7 +45,7 @@ TriangleSoup surface_of(const TriangleSoup& all, const std::vector<FacetRole>& r
 
 }  // namespace
 
-CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), region_(base.region_), noise_(base.noise_), shared_(base.shared_) {
+CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<CleanedOutput> output) : SolidRun(base), job_(job), region_(base.region_), noise_(base.noise_), volume_(base.volume_), shared_(base.shared_) {
   const bool cell_was_chosen = report_.options.cell_was_chosen;
   report_.options = resolve_lengths(job.options, report_.before.box.diagonal());
   report_.options.cell_was_chosen = cell_was_chosen;
@@ -58,10 +59,18 @@ void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
 }
 
 bool CleanRun::open(std::unique_ptr<CleanedOutput> output) {
-  read(job_.salvage, job_.options);
+  read();
   take_output(output ? std::move(output) : std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
   if (!job_.options.region.empty()) region_ = std::make_shared<const Region>(job_.options.region, report_.recentred_by);
   return prepare(job_.options);
+}
+
+void CleanRun::read() {
+  if (!is_volume(job_.input, job_.options.volume)) return SolidRun::read(job_.salvage, job_.options);
+  begin("reading");
+  volume_ = std::make_shared<const VolumeInput>(job_.input, job_.options.volume, job_.options.memory_bytes, report_, progress_);
+  begin("finding the surface");
+  input_ = placed_input(volume_->surface(report_, progress_), job_.input, job_.options, report_);
 }
 
 void CleanRun::run() {
@@ -96,10 +105,14 @@ void CleanRun::share_level_set(const std::vector<Length>& strengths) {
   const auto [least, most] = std::minmax_element(strengths.begin(), strengths.end(), shorter);
   options_.smooth = *most;
   if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
-  options_.smooth = *least;
-  resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
-  fit_cell_for(*most);
-  shared_ = std::make_shared<const BuiltLevelSet>(build_level_set(prepared_, report_, progress_));
+  if (takes_volume()) {
+    resolve_with(volume_->cell());
+  } else {
+    options_.smooth = *least;
+    resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
+    fit_cell_for(*most);
+  }
+  shared_ = std::make_shared<const BuiltLevelSet>(built_level_set());
 }
 
 void CleanRun::fit_cell_for(const Length& longest) {
@@ -237,8 +250,8 @@ void CleanRun::rebuild() {
   begin("distances and signs");
   if (options_.deviation) points_before_ = prepared_.capped.soup.points;
   if (plan_.denoises() || plan_.clamps_outliers) denoise_prepared(prepared_, plan_, report_, progress_);
-  if (shared_) {
-    resolve_with(shared_->level_set.frame.cell);
+  if (shared_ || takes_volume()) {
+    resolve_with(shared_ ? shared_->level_set.frame.cell : volume_->cell());
   } else {
     if (report_.options.max_hole) close_sheet(prepared_, options_, report_);
     resolve_cell(options_, prepared_.capped, report_.options, report_.warnings);
@@ -255,8 +268,18 @@ void CleanRun::rebuild() {
   build_and_extract();
 }
 
+bool CleanRun::takes_volume() const {
+  const CleanOptions& o = job_.options;
+  if (!volume_ || o.cell || o.resolution || o.adapt || o.thicken || o.keeps_openings() || plan_.denoises() || plan_.clamps_outliers) return false;
+  return prepared_.source.size() == input_.facets.size() && std::all_of(prepared_.fates.begin(), prepared_.fates.end(), [](FacetFate fate) { return fate == FacetFate::used; });
+}
+
+BuiltLevelSet CleanRun::built_level_set() {
+  return takes_volume() ? build_level_set(*volume_, prepared_, report_, progress_) : build_level_set(prepared_, report_, progress_);
+}
+
 void CleanRun::build_and_extract() {
-  BuiltLevelSet built = shared_ ? *shared_ : build_level_set(prepared_, report_, progress_);
+  BuiltLevelSet built = shared_ ? *shared_ : built_level_set();
   if (plan_.flows()) {
     begin("smoothing");
     smooth_level_set(built.level_set, plan_, report_, progress_);
@@ -275,7 +298,8 @@ void CleanRun::build_and_extract() {
 }
 
 std::shared_ptr<const SharpReference> CleanRun::reference_for(const BuiltLevelSet& built) {
-  if ((plan_.flows() && !plan_.region) || report_.options.thicken || report_.options.moves_walls()) return nullptr;
+  // A volume has values where a surface has creases.
+  if (takes_volume() || (plan_.flows() && !plan_.region) || report_.options.thicken || report_.options.moves_walls()) return nullptr;
   const GridFrame& frame = built.level_set.frame;
   TriangleSoup surface = surface_of(prepared_.capped.soup, built.roles, built.roles.size());
   if (plan_.flows()) std::erase_if(surface.facets, [&](const Facet& f) { return may_have_moved(surface, f, *plan_.region); });

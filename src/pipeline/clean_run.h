@@ -15,6 +15,7 @@
 #include "local_gear.h"
 #include "smoothing_plan.h"
 #include "solid_run.h"
+#include "volume_input.h"
 
 namespace burnish {
 
@@ -38,6 +39,7 @@ class CleanRun : private SolidRun {
   RepairReport take_report();
 
  private:
+  void read();
   void take_output(std::unique_ptr<CleanedOutput> output);
   // Coarsens a cell that was chosen until the longest length, too, fits the budget.
   void fit_cell_for(const Length& longest);
@@ -62,6 +64,9 @@ class CleanRun : private SolidRun {
 
   // --- the level set gear
   void rebuild();
+  // Whether the volume's own level set stands for the prepared input: nothing was dropped or moved, and no other lattice is needed.
+  bool takes_volume() const;
+  BuiltLevelSet built_level_set();
   void build_and_extract();
   void extract(const BuiltLevelSet& built);
   // The facets that the level set was built from, if it still stands for them.
@@ -93,6 +98,7 @@ class CleanRun : private SolidRun {
   std::unique_ptr<CleanedOutput> output_;
   std::shared_ptr<const Region> region_;
   std::optional<NoiseEstimate> noise_;  // of the prepared facets, once it was asked for
+  std::shared_ptr<const VolumeInput> volume_;    // of which the input is an iso-surface
   std::shared_ptr<const BuiltLevelSet> shared_;  // before smoothing
   std::vector<Vec3> points_before_;     // of the prepared input, before denoising; where a bound on the deviation was given
   TriangleSoup before_denoising_;       // the repaired surface, where facets were denoised and are to be simplified

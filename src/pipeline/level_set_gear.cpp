@@ -221,6 +221,17 @@ BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptio
   return result;
 }
 
+BuiltLevelSet build_level_set(const VolumeInput& volume, const PreparedInput& prepared, RepairReport& report, Progress& progress) {
+  const LevelSetOptions set = level_set_options(report.options);
+  BuiltLevelSet result;
+  result.roles.assign(prepared.capped.soup.facets.size(), FacetRole::boundary);
+  result.level_set = volume.level_set(set.band, set.room, progress).level_set;
+  result.level_set.frame.origin -= report.recentred_by;
+  tell_grid(result.level_set.octree(), report);
+  report.grid.bytes_planned = planned_bytes(prepared.capped.soup, report.options.cell, set.band + set.room);
+  return result;
+}
+
 void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress) {
   const ResolvedOptions& options = report.options;
   // What is extracted afterwards are the zeros: farther away, where the field has been clamped, signs will do.

@@ -10,6 +10,7 @@
 #include "burnish/pipeline/report.h"
 #include "prepare_input.h"
 #include "smoothing_plan.h"
+#include "volume_input.h"
 
 namespace burnish {
 
@@ -31,6 +32,9 @@ void close_sheet(PreparedInput& prepared, const CleanOptions& asked, RepairRepor
 BuiltLevelSet build_level_set(const PreparedInput& prepared, RepairReport& report, Progress& progress);
 // The same with another band, room or far field than smoothing and extraction need.
 BuiltLevelSet build_level_set(const PreparedInput& prepared, const LevelSetOptions& set, RepairReport& report, Progress& progress);
+
+// The level set of a volume, whose iso-surface the prepared input is: on the volume's own lattice, which report.options.cell has to be that of.
+BuiltLevelSet build_level_set(const VolumeInput& volume, const PreparedInput& prepared, RepairReport& report, Progress& progress);
 
 // Makes an octree with finest blocks only as coarse as report.options.adapt allows; tells report.grid.
 void coarsen_level_set(LevelSet& level_set, RepairReport& report, Progress& progress);

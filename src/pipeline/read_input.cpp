@@ -59,7 +59,10 @@ TriangleSoup read_input(const std::string& path, bool salvage, const CleanOption
   MeshFile file = read_mesh(path, {.salvage = salvage});
   report.input_format = name(file.format);
   report.warnings = std::move(file.warnings);
-  TriangleSoup input = weld(std::move(file.soup));
+  return placed_input(weld(std::move(file.soup)), path, options, report);
+}
+
+TriangleSoup placed_input(TriangleSoup input, const std::string& path, const CleanOptions& options, RepairReport& report) {
   report.groups = summaries_of_groups(input);
   const double diagonal = bounding_box(input).diagonal();
   require_measurable(path, diagonal);

@@ -19,6 +19,9 @@ void require_measurable(const std::string& path, double diagonal);
 // Error{unreadable_input} for a model whose volume is beyond double precision.
 TriangleSoup read_input(const std::string& path, bool salvage, const CleanOptions& options, RepairReport& report);
 
+// A welded model at its place: moved to the origin if asked for. Tells report.groups, .recentred_by and .options, whose lengths it resolves.
+TriangleSoup placed_input(TriangleSoup input, const std::string& path, const CleanOptions& options, RepairReport& report);
+
 // `prepare_input`, and the verdict on it: false if the input bounds no solid and that was needed, with the reason in
 // report.failure; large caps are warned of. `report.before` holds the inspection's defects.
 bool prepare_solid(const TriangleSoup& input, const Inspection& inspection, const CleanOptions& options, PreparedInput& prepared,

@@ -247,6 +247,11 @@ Json json_of(const FieldRedistancing& r) {
           {"exact_nodes", r.exact_nodes}, {"steps", r.result.steps}, {"residual", r.result.residual}, {"steady", r.result.steady}};
 }
 
+Json json_of(const VolumeSummary& v) {
+  return {{"array", v.array}, {"type", v.type},   {"nodes", Json(v.nodes)}, {"spacing", json_of(v.spacing)}, {"least", v.least},
+          {"most", v.most},   {"iso", v.iso},     {"iso_was_chosen", v.iso_was_chosen}, {"inside", v.below ? "below" : "above"}, {"border_voxels", v.border_voxels}};
+}
+
 Json json_of(const LocatedDefect& d, std::size_t index) {
   return {
       {"defect", index},       {"kind", name(d.kind)}, {"position", json_of(d.position)},
@@ -288,6 +293,7 @@ std::string to_json(const RepairReport& r) {
       {"version", kReportVersion},
       {"generator", generator()},
       {"input", {{"file", r.input}, {"format", r.input_format}}},
+      {"volume", r.volume ? json_of(*r.volume) : Json()},
       {"output",
        {{"file", r.output}, {"format", r.output_format}, {"written", r.written}, {"verified", r.verified}, {"is_sheet", r.is_sheet}}},
       {"method", r.method.empty() ? Json() : Json(r.method)},

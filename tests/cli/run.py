@@ -21,6 +21,7 @@ import runner
 import scenarios
 import smoothing_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import surface_scenarios  # noqa: F401
+import volume_scenarios  # noqa: F401
 
 
 def scenario_test(function):

@@ -234,7 +234,7 @@ TEST(Vti, ErrorsNameThePlace) {
   bad("'Int16'", "'String'", {"line 9", "'String'"});
   bad("format='ascii'", "format='appended' offset='12'", {"line 9", "offset"});
   bad("</VTKFile>", "<AppendedData encoding=\"raw\">", {"'_'"});
-  bad(" 30 ", " ", {"expected 24 values, found 2"});
+  bad(" 13 ", " ", {"expected 24 values, found 23"});
   expect_error("<VTKFile", "a.vti", ErrorCode::unreadable_input, {"line 1", "end of a tag"});
   expect_error("", "a.vti", ErrorCode::unreadable_input, {"VTK's XML"});
   try {

@@ -57,8 +57,20 @@ struct VolumeLimit {
 // Sharper edges of the surface are creases, in degrees, unless another angle is asked for.
 inline constexpr double kCreaseAngle = 40;
 
+// Of an input that is a volume of numbers on a uniform grid (io/voxel_volume.h): its surface is where they have a value.
+struct VolumeOptions {
+  bool asked = false;         // the input has to be a volume; those named .vti, .nrrd or .nhdr are anyway
+  std::optional<double> iso;  // the value; has to be given, or
+  bool iso_auto = false;      // Otsu's threshold is taken (levelset/from_voxels.h)
+  bool below = false;         // inside are the values below it
+  std::string array;          // which of several; empty: the active one, or the first
+
+  bool any() const { return asked || iso || iso_auto || below || !array.empty(); }
+};
+
 // As asked. Lengths may be relative; they become model units once (pipeline/resolve_options.h).
 struct CleanOptions {
+  VolumeOptions volume;
   Method method = Method::automatic;
   Nesting nesting = Nesting::automatic;
   // Side of the finest cells. At most one of `cell` and `resolution` is set; with neither, the cell

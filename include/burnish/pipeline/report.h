@@ -1,6 +1,7 @@
 // RepairReport: what a run found, did, and can vouch for.
 #pragma once
 
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -146,6 +147,19 @@ struct GroupSummary {
 // The groups of a soup, in order; none for a soup that has none.
 std::vector<GroupSummary> summaries_of_groups(const TriangleSoup& soup);
 
+// The volume whose iso-surface the input is.
+struct VolumeSummary {
+  std::string array;               // empty: it has no name
+  std::string type;                // of its values, as in the file: "uint16"
+  std::array<std::uint32_t, 3> nodes{};
+  Vec3 spacing;                    // model units
+  double least = 0, most = 0;      // of its values
+  double iso = 0;
+  bool iso_was_chosen = false;     // Otsu's threshold
+  bool below = false;              // what is inside
+  std::size_t border_voxels = 0;   // inside, at the volume's border, where the solid was closed
+};
+
 struct RepairReport {
   std::string method;         // "local" or "levelset"; empty if neither was reached
   std::string method_reason;  // why that one
@@ -154,6 +168,7 @@ struct RepairReport {
   std::string output;
   std::string output_format;
   ResolvedOptions options;
+  std::optional<VolumeSummary> volume;  // of which the input is an iso-surface
   std::vector<GroupSummary> groups;  // of the input, as read
   Defects before;
   RepairActions actions;
