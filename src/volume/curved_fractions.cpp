@@ -100,7 +100,7 @@ class CurvedFractions {
   bool describes(Front& front, std::uint32_t cell, const CellTetrahedra& tetrahedra) const {
     constexpr double kNear = 0.05;
     const double diameter = geometry_.box[cell].diagonal();
-    if (!front.found || !(std::max(std::abs(front.k1), std::abs(front.k2)) * diameter <= 1)) return false;
+    if (!front.found || geometry_.volume[cell] == 0 || !(std::max(std::abs(front.k1), std::abs(front.k2)) * diameter <= 1)) return false;
     for (std::size_t i = 0; i < tetrahedra.points.size(); ++i) {
       const double phi = tetrahedra.phi[i], expected = -height(front, tetrahedra.points[i]) - depth(front, tetrahedra.points[i]);
       if (std::abs(phi) < field_.band ? std::abs(phi - expected) > kNear * diameter : phi * expected < 0) return false;
@@ -117,7 +117,7 @@ class CurvedFractions {
       const auto& p = tetrahedra.points;
       add_tetrahedron(front, {p[t.corner[0]], p[t.corner[1]], p[t.corner[2]], p[t.corner[3]]}, t.volume, cut);
     }
-    return std::clamp((cut.below - cut.bulge) / geometry_.volume[cell], 0.0, 1.0);
+    return (cut.below - cut.bulge) / geometry_.volume[cell];
   }
 
   const PolyhedralMesh& mesh_;
@@ -137,8 +137,8 @@ VolumeFractions curved_volume_fractions(const PolyhedralMesh& mesh, const CellGe
   result.alpha = whole_fractions(near);
   const std::vector<std::uint32_t> left = CurvedFractions(mesh, geometry, faces, field, near).run(result.alpha, progress);
   cut_linearly(mesh, geometry, faces, field, near, left, options, result.alpha, progress);
-  result.mixed = count_mixed(result.alpha, near.cells);
   clamp_and_sum(geometry, result);
+  result.mixed = count_mixed(result.alpha, near.cells);
   return result;
 }
 

@@ -19,6 +19,7 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kGrain = 256;
+constexpr double kRounding = 1e-15;  // of a cell: less of it is none
 
 // A convex polygon, cut by one plane after the other.
 class Clipped {
@@ -91,8 +92,8 @@ class ExactFractions {
       for (std::size_t c = begin; c < end; ++c) cut_cell(static_cast<std::uint32_t>(c), scratch);
     });
     add_lights();
-    for (const char t : touched_) result_.mixed += t == kCut;
     clamp_and_sum(geometry_, result_);
+    for (const double alpha : result_.alpha) result_.mixed += alpha > 0 && alpha < 1;
     return std::move(result_);
   }
 
@@ -196,7 +197,11 @@ class ExactFractions {
       asked[c] = r == c ? static_cast<std::uint32_t>(lights.size() - 1) : asked[r];
     }
     const std::vector<std::int32_t> winding = winding_numbers(solid_, lights);
-    parallel_for(mesh_.cells, [&](std::size_t c) { result_.alpha[c] += winding[asked[c]]; });
+    parallel_for(mesh_.cells, [&](std::size_t c) {
+      double& alpha = result_.alpha[c] += winding[asked[c]];
+      // Shadows that cancel, as in what two cones of a concave cell share outside of it, leave their rounding.
+      if (std::abs(alpha - std::round(alpha)) < kRounding) alpha = std::round(alpha);
+    });
   }
 
   const PolyhedralMesh& mesh_;

@@ -1,6 +1,7 @@
 #include "fraction_sums.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "burnish/core/parallel.h"
 
@@ -18,7 +19,9 @@ struct Sums {
 Sums clamp_range(const CellGeometry& geometry, std::vector<double>& alpha, std::size_t begin, std::size_t end) {
   Sums sums;
   for (std::size_t c = begin; c < end; ++c) {
-    const double inside = std::clamp(alpha[c], 0.0, 1.0), outside = std::abs(alpha[c] - inside);
+    // Coordinates whose products overflow give no number.
+    const bool is_number = std::isfinite(alpha[c]);
+    const double inside = is_number ? std::clamp(alpha[c], 0.0, 1.0) : 0, outside = is_number ? std::abs(alpha[c] - inside) : 1;
     if (outside > kRounding) ++sums.clamped;
     sums.worst = std::max(sums.worst, outside);
     alpha[c] = inside;

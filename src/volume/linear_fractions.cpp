@@ -29,17 +29,22 @@ class BatchCut {
   CellTetrahedra& cells() { return cells_; }
   void run(std::size_t cell_count) {
     inside_.assign(cell_count, 0);
-    is_full_.assign(cell_count, 1);
+    filled_.assign(cell_count, Filled::unknown);
     for (int level = 0; !cells_.tetrahedra.empty(); ++level) {
       set_aside_whole();
       add_middles();
       divide(level);
     }
   }
-  // Of a cell of this volume; exactly 1 if the surface does not pass through.
-  double fraction(std::size_t slot, double volume) const { return is_full_[slot] ? 1 : volume == 0 ? 0 : std::clamp(inside_[slot] / volume, 0.0, 1.0); }
+  // Of a cell of this volume; exactly 1 if the surface does not pass through; `otherwise` if the cell has no volume.
+  double fraction(std::size_t slot, double volume, double otherwise) const {
+    if (volume == 0 || filled_[slot] == Filled::unknown) return otherwise;
+    return filled_[slot] == Filled::whole ? 1 : inside_[slot] / volume;
+  }
 
  private:
+  enum class Filled : std::uint8_t { unknown, whole, in_part };
+
   // Tetrahedra that the surface does not pass through.
   void set_aside_whole() {
     std::erase_if(cells_.tetrahedra, [&](const Tetrahedron& t) {
@@ -50,7 +55,8 @@ class BatchCut {
   }
   void add_share(const Tetrahedron& t, double share) {
     inside_[t.slot] += t.volume * share;
-    if (share < 1) is_full_[t.slot] = 0;
+    if (share < 1) filled_[t.slot] = Filled::in_part;
+    else if (filled_[t.slot] == Filled::unknown) filled_[t.slot] = Filled::whole;
   }
   // [T-VOF-6] +1 inside, -1 outside, 0 unknown.
   int whole(const Tetrahedron& t) const {
@@ -134,7 +140,7 @@ class BatchCut {
   std::vector<std::uint64_t> edges_;
   std::size_t first_middle_ = 0;
   std::vector<double> inside_;
-  std::vector<char> is_full_;
+  std::vector<Filled> filled_;
 };
 
 }  // namespace
@@ -146,7 +152,7 @@ void cut_linearly(const PolyhedralMesh& mesh, const CellGeometry& geometry, cons
     BatchCut batch(field, options);
     for (std::size_t i = begin; i < end; ++i) batch.cells().add(mesh, geometry, faces, near, cells[i], static_cast<std::uint32_t>(i - begin));
     batch.run(end - begin);
-    for (std::size_t i = begin; i < end; ++i) alpha[cells[i]] = batch.fraction(i - begin, geometry.volume[cells[i]]);
+    for (std::size_t i = begin; i < end; ++i) alpha[cells[i]] = batch.fraction(i - begin, geometry.volume[cells[i]], alpha[cells[i]]);
   });
 }
 
@@ -167,8 +173,8 @@ VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGe
   VolumeFractions result;
   result.alpha = whole_fractions(near);
   cut_linearly(mesh, geometry, faces, field, near, near.cells, options, result.alpha, progress);
-  result.mixed = count_mixed(result.alpha, near.cells);
   clamp_and_sum(geometry, result);
+  result.mixed = count_mixed(result.alpha, near.cells);
   return result;
 }
 
