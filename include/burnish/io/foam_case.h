@@ -31,7 +31,7 @@ struct FoamMesh {
 // CASE/constant/polyMesh; `region`: CASE/constant/<region>/polyMesh. Where time folders up to `time` hold a mesh, or points, of their own, the latest ones
 // count, as in OpenFOAM (snappyHexMesh without -overwrite leaves such). Throws Error{unreadable_input} naming file, line or byte, expected and found:
 // no such folder, no case (neither system/controlDict nor constant), a decomposed case (faces at processor0 alone), a file cut off, labels out of range,
-// an owner or neighbour list of the wrong length. Cost: 0.3 us a cell in binary, 1 us in text, of hexahedra.
+// an owner or neighbour list of the wrong length. Cost: 0.4 us a cell in binary, 1.3 us in text, of hexahedra.
 FoamMesh read_foam_mesh(const std::string& case_folder, const std::string& time = {}, const std::string& region = {}, Progress& progress = no_progress());
 
 // A scalar field file of a case, taken apart as far as is needed to write it again with other values: all entries but internalField keep their text, byte for
