@@ -72,7 +72,7 @@ class IcCommand : public Command {
         {"--field", 0, "NAME", "Case", "Name of the field; alpha.water when not given.", [this](const GivenValue& v) { job_.field = field_name(v); }},
         {"--also-phi", 0, "NAME", "Case", "Write the signed distance from the surface, too, positive in the phase.", [this](const GivenValue& v) { job_.phi = field_name(v); }},
         {"--patch-value", 0, "NAME=V,...", "Case", "Fixed values of the field on patches.", [this](const GivenValue& v) { job_.patch_values = patch_values(v); }},
-        {"--time", 0, "T", "Case", "The time folder; when not given, what the case starts from.", [this](const GivenValue& v) { job_.time = time(v); }},
+        {"--time", 0, "T", "Case", "The time folder; when not given, what the case starts from.", [this](const GivenValue& v) { job_.time = non_negative_number(v); }},
         {"--region", 0, "NAME", "Case", "The mesh of a region, if the case has several.", [this](const GivenValue& v) { job_.region = field_name(v); }},
         {"--overwrite", 0, "", "Case", "Replace the values of a field that exists already.", switch_on(job_.overwrite)},
         {"--dry-run", 0, "", "Case", "Compute and report, and write nothing.", switch_on(job_.dry_run)},
@@ -105,11 +105,6 @@ class IcCommand : public Command {
   static std::string field_name(const GivenValue& v) {
     if (v.text.empty() || v.text.find_first_of("/\\\"' \t;{}()$#") != v.text.npos || v.text.front() == '.')
       throw Error(ErrorCode::usage, fmt::format("{} {}: expected a name such as alpha.water", v.name, v.text), "it is the name of a file in the time folder");
-    return std::string(v.text);
-  }
-
-  static std::string time(const GivenValue& v) {
-    static_cast<void>(non_negative_number(v));
     return std::string(v.text);
   }
 

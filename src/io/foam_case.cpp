@@ -37,10 +37,10 @@ Start start_of(const std::string& path) {
 std::vector<std::string> time_folders(const std::string& case_folder) {
   std::vector<std::string> names;
   std::error_code ignored;
-  for (const auto& entry : fs::directory_iterator(case_folder, ignored)) {
-    const std::string name = entry.path().filename().string();
+  for (fs::directory_iterator entry(case_folder, ignored), end; entry != end; entry.increment(ignored)) {
+    const std::string name = entry->path().filename().string();
     const std::optional<double> time = whole_number(name);
-    if (time && std::isfinite(*time) && *time >= 0 && entry.is_directory(ignored)) names.push_back(name);
+    if (time && std::isfinite(*time) && *time >= 0 && entry->is_directory(ignored)) names.push_back(name);
   }
   std::sort(names.begin(), names.end(), [](const std::string& a, const std::string& b) {
     const double s = *whole_number(a), t = *whole_number(b);
@@ -50,15 +50,20 @@ std::vector<std::string> time_folders(const std::string& case_folder) {
 }
 
 std::string start_time_folder(const std::string& case_folder) {
-  const Start start = start_of(case_folder + "/system/controlDict");
+  Start start = start_of(case_folder + "/system/controlDict");
+  if (start.from.empty() && start.time.empty()) start = start_of(case_folder + "/../system/controlDict");  // of a part of a decomposed case
   const std::vector<std::string> times = time_folders(case_folder);
   if (start.from == "firstTime" && !times.empty()) return times.front();
-  if (start.from == "latestTime" && !times.empty()) return times.back();
   const std::optional<double> time = whole_number(start.time);
-  if (start.from != "startTime" || !time || !(*time >= 0)) return "0";
-  for (const std::string& name : times)
-    if (std::abs(*whole_number(name) - *time) <= 1e-9 * *time) return name;
-  return fmt::format("{}", *time);
+  if (start.from == "startTime" && time && *time >= 0) return time_folder(case_folder, *time);
+  // latestTime is what OpenFOAM takes where nothing is said.
+  return times.empty() ? "0" : times.back();
+}
+
+std::string time_folder(const std::string& case_folder, double time) {
+  for (const std::string& name : time_folders(case_folder))
+    if (std::abs(*whole_number(name) - time) <= 1e-9 * time) return name;
+  return fmt::format("{}", time);
 }
 
 }  // namespace burnish

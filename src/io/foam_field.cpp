@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
@@ -17,8 +18,9 @@
 namespace burnish {
 namespace {
 
-constexpr std::array<std::string_view, 13> kConstraints{"empty", "wedge", "symmetry", "symmetryPlane", "cyclic", "cyclicAMI", "cyclicACMI", "cyclicSlip",
-                                                         "nonuniformTransformCyclic", "processor", "processorCyclic", "overset", "cyclicPeriodicAMI"};
+constexpr std::array<std::string_view, 16> kConstraints{"empty", "wedge", "symmetry", "symmetryPlane", "cyclic", "cyclicAMI", "cyclicACMI", "cyclicSlip",
+                                                         "nonuniformTransformCyclic", "processor", "processorCyclic", "overset", "cyclicPeriodicAMI",
+                                                         "nonConformalCyclic", "nonConformalError", "nonConformalProcessorCyclic"};
 
 bool is_constraint(std::string_view type) { return std::find(kConstraints.begin(), kConstraints.end(), type) != kConstraints.end(); }
 
@@ -26,10 +28,12 @@ std::string_view view(const char* from, const char* to) { return {from, static_c
 
 // Conditions may name this one's internalField for their value: with a list of the cells' values they could not.
 std::string without_macro(std::string text, std::string_view old_value) {
-  constexpr std::array<std::string_view, 3> kMacros{"$internalField", "$:internalField", "$..internalField"};
+  constexpr std::array<std::string_view, 7> kMacros{"${internalField}", "$internalField", "$:internalField", "$..internalField", "$/internalField", "$!internalField", "$../internalField"};
   if (!old_value.starts_with("uniform")) return text;
+  const auto goes_on = [&](std::size_t at) { return at < text.size() && (std::isalnum(static_cast<unsigned char>(text[at])) || text[at] == '_' || text[at] == '.'); };
   for (const std::string_view macro : kMacros)
-    for (std::size_t at = text.find(macro); at != text.npos; at = text.find(macro, at + old_value.size())) text.replace(at, macro.size(), old_value);
+    for (std::size_t at = text.find(macro); at != text.npos; at = text.find(macro, at + 1))
+      if (macro.back() == '}' || !goes_on(at + macro.size())) text.replace(at, macro.size(), old_value);
   return text;
 }
 
@@ -52,6 +56,8 @@ Boundary boundary_of(FoamField& field) {
 
 // Entries of a patch's condition that hold a value of it.
 constexpr std::array<std::string_view, 3> kValues{"value", "inletValue", "outletValue"};
+// Conditions that take those; any other one computes its value itself, and becomes fixedValue.
+constexpr std::array<std::string_view, 5> kTakesValue{"fixedValue", "inletOutlet", "outletInlet", "variableHeightFlowRate", "constantAlphaContactAngle"};
 
 // The body of a patch's condition, with the value.
 std::string condition_with(const FoamField& field, const std::string& body, double value) {
@@ -66,12 +72,14 @@ std::string condition_with(const FoamField& field, const std::string& body, doub
   };
   for (const FoamEntry& e : entries) {
     if (std::find(kValues.begin(), kValues.end(), e.name) != kValues.end() && !e.is_dictionary) replace(e.value, uniform);
-    if (e.name == "type" && (e.value == "zeroGradient" || e.value == "calculated")) replace(e.value, "fixedValue");
+    if (e.name == "type" && std::find(kTakesValue.begin(), kTakesValue.end(), e.value) == kTakesValue.end()) replace(e.value, "fixedValue");
   }
   result.append(view(copied, body.data() + body.size()));
-  if (find_entry(entries, "value")) return result;
   result.resize(result.find_last_not_of(" \t\r\n") + 1);
-  return result + fmt::format("\n        value           {};\n    ", uniform);
+  // Of a type that a macro brings in nothing is known: the later entry counts.
+  if (!find_entry(entries, "type")) result += "\n        type            fixedValue;";
+  if (!find_entry(entries, "value")) result += fmt::format("\n        value           {};", uniform);
+  return result + "\n    ";
 }
 
 // Bytes to a file, gzipped if asked to.
@@ -151,11 +159,13 @@ FoamField read_foam_field(const std::string& path) {
   FoamField field;
   field.format = header.format;
   field.before = view(source.begin(), internal->name.data() + internal->name.size());
-  const std::size_t limit = std::string_view("uniform").size() + 60;
   const char* behind = internal->value.data() + internal->value.size();
   while (behind < source.end() && static_cast<unsigned char>(*behind) <= ' ') ++behind;
   field.after = view(behind, source.end());
-  if (internal->value.size() < limit) field.after = without_macro(std::move(field.after), internal->value);
+  if (!std::string_view(internal->value).starts_with("nonuniform")) {
+    field.after = without_macro(std::move(field.after), internal->value);
+    field.before = without_macro(std::move(field.before), internal->value);
+  }
   for (const FoamEntry& e : foam_entries(source, boundary->value, header.format)) field.patches.emplace_back(e.name);
   return field;
 }

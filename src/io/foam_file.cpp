@@ -17,6 +17,9 @@ namespace {
 constexpr std::string_view kReadHint = "what is read is OpenFOAM's text or binary, plain or gzipped, of the byte order of this machine";
 
 // All members of a gzip file.
+// A file of the largest meshes is smaller; a few bytes can stand for far more.
+constexpr std::size_t kMostUnpacked = std::size_t{64} << 30;
+
 std::string unpack(std::string_view packed, const std::string& label) {
   std::string out;
   z_stream stream{};
@@ -36,6 +39,7 @@ std::string unpack(std::string_view packed, const std::string& label) {
     stream.avail_out = static_cast<uInt>(buffer.size());
     const int state = inflate(&stream, Z_NO_FLUSH);
     out.append(buffer.data(), buffer.size() - stream.avail_out);
+    if (out.size() > kMostUnpacked) throw Error(ErrorCode::unreadable_input, fmt::format("{}: unpacks to more than {} GB", label, kMostUnpacked >> 30), "unpack it with gunzip if that is right");
     if (state == Z_STREAM_END) {
       if (stream.avail_in == 0 && taken == packed.size()) return out;
       inflateReset(&stream);

@@ -121,7 +121,7 @@ void read_neighbour(const std::string& path, PolyhedralMesh& mesh) {
 std::uint32_t whole_entry(const MeshFile& file, const FoamEntry& patch, const std::vector<FoamEntry>& entries, std::string_view name) {
   const FoamEntry* entry = find_entry(entries, name);
   const std::optional<double> value = entry ? whole_number(entry->value) : std::nullopt;
-  if (!value || *value < 0 || *value >= static_cast<double>(kAnyLabel) || *value != static_cast<double>(static_cast<std::uint32_t>(*value)))
+  if (!value || !(*value >= 0) || *value >= static_cast<double>(kAnyLabel) || *value != static_cast<double>(static_cast<std::uint32_t>(*value)))
     file.source().fail_at(patch.name.data(), fmt::format("patch {}: expected a whole number {}, found {}", patch.name, name, entry ? quoted(entry->value) : "none"), "");
   return static_cast<std::uint32_t>(*value);
 }

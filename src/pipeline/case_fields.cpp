@@ -40,14 +40,22 @@ CaseFieldFile::CaseFieldFile(const InitialConditionJob& job, const std::string& 
   std::error_code error;
   for (fs::path p = fs::path(told_.file).parent_path(); !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p.string());
   fs::create_directories(fs::path(told_.file).parent_path(), error);
-  file_ = std::make_unique<OutputFile>(told_.file, job.overwrite);
+  try {
+    file_ = std::make_unique<OutputFile>(told_.file, job.overwrite);
+  } catch (...) {
+    remove_folders();
+    throw;
+  }
 }
 
 CaseFieldFile::~CaseFieldFile() {
   file_.reset();
+  if (!told_.written) remove_folders();
+}
+
+void CaseFieldFile::remove_folders() {
   std::error_code ignored;
-  if (!told_.written)
-    for (const std::string& folder : made_) fs::remove(folder, ignored);  // what is in use stays
+  for (const std::string& folder : made_) fs::remove(folder, ignored);  // what is in use stays
 }
 
 void CaseFieldFile::conditions_for(const FoamMesh& mesh, std::vector<std::string>& warnings) {
@@ -62,7 +70,7 @@ void CaseFieldFile::conditions_for(const FoamMesh& mesh, std::vector<std::string
   // Patterns, groups of patches and included files may stand for any.
   if (!std::all_of(known.begin(), known.end(), is_patch) || field_->after.find("#include") != std::string::npos) return;
   for (const MeshPatch& p : mesh.mesh.patches)
-    if (std::find(known.begin(), known.end(), p.name) == known.end())
+    if (p.type != "empty" && std::find(known.begin(), known.end(), p.name) == known.end())
       warnings.push_back(fmt::format("{} has no condition for the patch {}: OpenFOAM will not read it; --patch-value {}=V gives it one", told_.from, p.name, p.name));
 }
 

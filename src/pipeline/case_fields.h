@@ -30,6 +30,8 @@ class CaseFieldFile {
   const CaseField& told() const { return told_; }
 
  private:
+  void remove_folders();
+
   CaseField told_;
   std::string dimensions_;
   std::optional<FoamField> field_;      // of the template, then with the conditions for the mesh

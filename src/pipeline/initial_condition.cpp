@@ -27,6 +27,7 @@ namespace {
 constexpr double kWhole = 1e-6;       // relative: a volume in the mesh this near to the solid's is all of it
 constexpr double kLevelSetCell = 0.5;  // of the level set, in sides of the smallest cell of the mesh that the surface passes through
 constexpr double kCoarsened = 1.25;   // by how much a cell that does not fit the memory grows at a time
+constexpr int kMostCoarsened = 64;
 constexpr std::string_view kFractionDimensions = "[0 0 0 0 0 0 0]", kLengthDimensions = "[0 1 0 0 0 0 0]";
 
 // One run: the stages write into the result as they go.
@@ -41,6 +42,9 @@ class InitialConditionRun {
     method_ = job.method == FractionMethod::automatic ? FractionMethod::exact : job.method;
   }
 
+  ~InitialConditionRun() {
+    while (!fields_.empty()) fields_.pop_back();
+  }
   InitialConditionResult run() {
     read_case();
     choose_fields();
@@ -65,7 +69,7 @@ class InitialConditionRun {
 
   void read_case() {
     begin("reading the mesh");
-    result_.time = job_.time ? *job_.time : start_time_folder(job_.case_folder);
+    result_.time = job_.time ? time_folder(job_.case_folder, *job_.time) : start_time_folder(job_.case_folder);
     case_ = read_foam_mesh(job_.case_folder, result_.time, job_.region, progress_);
     const PolyhedralMesh& mesh = case_.mesh;
     faces_ = cell_faces(mesh);
@@ -148,7 +152,8 @@ class InitialConditionRun {
     if (job_.options.cell) return job_.scale * job_.options.cell->in_model_units(result_.before.box.diagonal(), 1);
     double cell = kLevelSetCell * std::cbrt(smallest);
     const double wanted = cell;
-    while (solid_level_set_bytes(surface_, cell, reach) > job_.options.memory_bytes) cell *= kCoarsened;
+    // What facets take alone does not shrink with the cells.
+    for (int step = 0; step < kMostCoarsened && solid_level_set_bytes(surface_, cell, reach) > job_.options.memory_bytes; ++step) cell *= kCoarsened;
     if (cell > wanted) warn(fmt::format("the level set has cells of {:.4g}, not of {:.4g}, to stay within the memory budget: raise --memory", cell, wanted));
     return cell;
   }
@@ -158,6 +163,7 @@ class InitialConditionRun {
     begin("distances and signs");
     double reach = 0;
     result_.alpha.cell = level_set_cell(reach);
+    if (!(reach > 0)) return;  // all cells that the surface passes through are inverted: the exact fractions stay
     if (const std::uint64_t bytes = solid_level_set_bytes(surface_, result_.alpha.cell, reach); bytes > job_.options.memory_bytes)
       throw Error(ErrorCode::memory_limit, fmt::format("a level set with cells of {:.4g} takes about {:.1f} GB; the budget is {:.1f} GB", result_.alpha.cell, static_cast<double>(bytes) * 0x1p-30,
                                                        static_cast<double>(job_.options.memory_bytes) * 0x1p-30),
@@ -214,7 +220,7 @@ class InitialConditionRun {
   FoamMesh case_;
   CellFaces faces_;
   CellGeometry geometry_;
-  std::vector<std::unique_ptr<CaseFieldFile>> fields_;
+  std::vector<std::unique_ptr<CaseFieldFile>> fields_;  // the first one has made the folder, and goes last
   TriangleSoup surface_;  // repaired, in the mesh's unit
   VolumeFractions fractions_;
 };

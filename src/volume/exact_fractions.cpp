@@ -19,7 +19,7 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-constexpr double kRounding = 1e-15;  // of a cell: less of it is none
+constexpr double kNothing = 1e-15;  // of a cell: less of it is none
 
 // A convex polygon, cut by one plane after the other.
 class Clipped {
@@ -200,7 +200,7 @@ class ExactFractions {
     parallel_for(mesh_.cells, [&](std::size_t c) {
       double& alpha = result_.alpha[c] += winding[asked[c]];
       // Shadows that cancel, as in what two cones of a concave cell share outside of it, leave their rounding.
-      if (std::abs(alpha - std::round(alpha)) < kRounding) alpha = std::round(alpha);
+      if (std::abs(alpha - std::round(alpha)) < kNothing) alpha = std::round(alpha);
     });
   }
 

@@ -64,4 +64,7 @@ std::vector<std::string> time_folders(const std::string& case_folder);
 // The time folder that a run of this case starts from, by system/controlDict's startFrom and startTime: "0" where it cannot be said. It need not exist.
 std::string start_time_folder(const std::string& case_folder);
 
+// The folder of that time, whatever its digits ("0.10" and "1e-1" are one time), or the name that a new one gets.
+std::string time_folder(const std::string& case_folder, double time);
+
 }  // namespace burnish

@@ -38,7 +38,7 @@ struct InitialConditionJob {
   bool invert = false;                // the phase is outside the model
   std::vector<PatchValue> patch_values;
   FractionMethod method = FractionMethod::automatic;
-  std::optional<std::string> time;    // the time folder; unset: what system/controlDict starts from
+  std::optional<double> time;         // of the folder; unset: what system/controlDict starts from
   std::string region;                 // of several meshes
   double scale = 1;                   // the model's coordinates are multiplied by this
   // Those of preparation, smoothing and resolution, lengths in the model file's units. Without smoothing the cell is that of the linear and curved
