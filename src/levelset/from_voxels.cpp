@@ -32,11 +32,12 @@ struct AxisNode {
 class LatticeValues {
  public:
   LatticeValues(const VoxelSamples& samples, double iso, bool inside_above, double cell, int margin)
-      : samples_(samples), iso_(iso), sign_(inside_above ? 1 : -1) {
+      : samples_(samples), iso_(iso), sign_(inside_above ? 1 : -1), margin_(margin) {
     for (int axis = 0; axis < 3; ++axis) {
       const std::size_t n = samples.nodes[static_cast<std::size_t>(axis)];
       double step = cell / samples.spacing[axis];  // a lattice step, in voxels
       if (std::abs(step - 1) * static_cast<double>(n) < kSameSpacing) step = 1;
+      has_lattice_of_voxels_ = has_lattice_of_voxels_ && step == 1;
       const auto last = static_cast<int>(std::ceil(static_cast<double>(n - 1) / step - 1e-9));
       first_[static_cast<std::size_t>(axis)] = margin - outside(step);
       auto& nodes = nodes_[static_cast<std::size_t>(axis)];
@@ -46,6 +47,28 @@ class LatticeValues {
 
   // The lattice coordinates, along an axis, between which values vary; beyond they are those of the ends.
   std::array<int, 2> extent(std::size_t axis) const { return {first_[axis], first_[axis] + static_cast<int>(nodes_[axis].size()) - 1}; }
+
+  // Whether the cells of a block lie between voxels that are lattice nodes, and all on one side: most of a volume.
+  bool is_plainly_on_one_side(const std::array<int, 3>& block) const {
+    std::array<std::size_t, 3> low;
+    for (std::size_t a = 0; a < 3; ++a) {
+      const int from = kBlockSide * block[a] - margin_;
+      if (!has_lattice_of_voxels_ || from < 0 || from + kBlockSide >= static_cast<int>(samples_.nodes[a])) return false;
+      low[a] = static_cast<std::size_t>(from);
+    }
+    const auto is_inside = [&](float value) { return sign_ * (static_cast<double>(value) - iso_) > 0; };
+    const std::size_t row = samples_.nodes[0], layer = row * samples_.nodes[1];
+    const float* const first = samples_.values.data() + low[0] + row * low[1] + layer * low[2];
+    int inside = 0, seen = 0;
+    for (std::size_t k = 0; k < kSide; ++k)
+      for (std::size_t j = 0; j < kSide; ++j) {
+        const float* const at = first + row * j + layer * k;
+        for (std::size_t i = 0; i < kSide; ++i) inside += is_inside(at[i]);
+        seen += kSide;
+        if (inside != 0 && inside != seen) return false;
+      }
+    return true;
+  }
 
   // Never 0.
   double operator()(const std::array<int, 3>& at) const {
@@ -87,6 +110,8 @@ class LatticeValues {
 
   const VoxelSamples& samples_;
   double iso_, sign_;
+  int margin_;
+  bool has_lattice_of_voxels_ = true;
   std::array<std::vector<AxisNode>, 3> nodes_;
   std::array<int, 3> first_{};
 };
@@ -123,6 +148,7 @@ struct BlockBox {
 };
 
 CutCells cut_cells_of(const LatticeValues& values, const std::array<int, 3>& block) {
+  if (values.is_plainly_on_one_side(block)) return {};
   std::array<double, kSide * kSide * kSide> dense;
   bool in = false, out = false;
   for (int k = 0, n = 0; k < kSide; ++k)
@@ -267,6 +293,11 @@ ValueRange value_range(const VoxelSamples& samples) {
   throw Error(ErrorCode::unreadable_input,
               fmt::format("the value of voxel ({}, {}, {}) is {}: expected a finite number", found.bad % row, found.bad / row % samples.nodes[1], found.bad / layer, values[found.bad]),
               "replace such values by one that is outside, in the tool that made the volume");
+}
+
+bool has_two_values(const VoxelSamples& samples, const ValueRange& range) {
+  const auto least = static_cast<float>(range.least), most = static_cast<float>(range.most);
+  return least < most && std::all_of(samples.values.begin(), samples.values.end(), [&](float v) { return v == least || v == most; });
 }
 
 double otsu_threshold(const VoxelSamples& samples, const ValueRange& range) {

@@ -69,6 +69,8 @@ void CleanRun::read() {
   if (!is_volume(job_.input, job_.options.volume)) return SolidRun::read(job_.salvage, job_.options);
   begin("reading");
   volume_ = std::make_shared<const VolumeInput>(job_.input, job_.options.volume, job_.options.memory_bytes, report_, progress_);
+  if (volume_->is_binary() && !(job_.options.smooth.value > 0))
+    report_.warnings.push_back("the volume has two values only, so its surface is a staircase: --smooth 4h takes the steps off");
   begin("finding the surface");
   input_ = placed_input(volume_->surface(report_, progress_), job_.input, job_.options, report_);
 }

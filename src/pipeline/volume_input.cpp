@@ -33,6 +33,7 @@ VolumeInput::VolumeInput(const std::string& path, const VolumeOptions& options, 
     throw Error(error.code(), path + ": " + error.what(), error.hint());
   }
   iso_ = chosen_iso(path, options, range);
+  is_binary_ = has_two_values(samples(), range);
   report.volume = VolumeSummary{volume_.name, std::string(name(volume_.type)), volume_.nodes, volume_.spacing, range.least, range.most, iso_, options.iso_auto, below_, 0};
 }
 

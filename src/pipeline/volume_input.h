@@ -21,6 +21,8 @@ class VolumeInput {
 
   // Side of the lattice's cells, in model units.
   double cell() const { return cell_of(samples()); }
+  // A segmentation: its surface is a staircase.
+  bool is_binary() const { return is_binary_; }
   LevelSetFromVoxels level_set(double band, double room, Progress& progress) const;
   // The surface in model units: closed, oriented, and of the volume's topology. Tells report.volume, and warns of a solid that had to be closed.
   TriangleSoup surface(RepairReport& report, Progress& progress) const;
@@ -31,7 +33,7 @@ class VolumeInput {
 
   VoxelVolume volume_;
   double iso_ = 0;
-  bool below_ = false;
+  bool below_ = false, is_binary_ = false;
 };
 
 // Whether the input is a volume, by its name. Throws Error{usage} where the options say otherwise.

@@ -67,6 +67,9 @@ def steps_are_smoothed_on_the_volumes_own_lattice(box):
     expect(report["options"]["cell"] == 1 and report["method"] == "levelset", f"{report['options']}")
     expect(abs(report["after"]["volume"] / EXACT - 1) < 0.02, f"volume {report['after']['volume'] / EXACT}")
     expect(0 < report["smoothing"]["deviation"] <= 2.01 and report["smoothing"]["rms_moved"] > 0.05, f"{report['smoothing']}")
+    expect(not any("staircase" in w for w in report["warnings"]), f"{report['warnings']}")
+    report = valid_report(box, ["steps.nrrd", "--iso", "0.5", "-o", "s.stl"])
+    expect(any("staircase" in w for w in report["warnings"]), f"{report['warnings']}")
     # With a cell of its own the level set is that of the iso-surface's facets.
     report = valid_report(box, ["steps.nrrd", "--iso", "0.5", "-o", "y.stl", "--smooth", "4", "--mode", "volume", "--cell", "0.8"])
     expect(report["options"]["cell"] == 0.8 and abs(report["after"]["volume"] / EXACT - 1) < 0.02, f"{report['options']}")

@@ -154,8 +154,10 @@ TEST(FromVoxels, SameBitsForAnyNumberOfThreads) {
 TEST(FromVoxels, OtsuPartsTwoClasses) {
   const Volume steps = volume_of({20, 20, 20}, {0, 0, 0}, {1, 1, 1}, [](const Vec3& p) { return p.x < 7; });
   EXPECT_NEAR(otsu_threshold(steps.samples(), value_range(steps.samples())), 0.5, 1e-3);
+  EXPECT_TRUE(has_two_values(steps.samples(), value_range(steps.samples())));
   // Two classes of 100 +- 20 and 400 +- 50.
   const Volume two = volume_of({30, 30, 30}, {0, 0, 0}, {1, 1, 1}, [](const Vec3& p) { return p.x < 10 ? 100 + 20 * std::sin(p.y + 3 * p.z) : 400 + 50 * std::sin(3 * p.y + p.z); });
+  EXPECT_FALSE(has_two_values(two.samples(), value_range(two.samples())));
   const double threshold = otsu_threshold(two.samples(), value_range(two.samples()));
   EXPECT_NEAR(threshold, 235, 2);  // the middle of what is empty: of 120 and 350
   const Volume flat = volume_of({3, 3, 3}, {0, 0, 0}, {1, 1, 1}, [](const Vec3&) { return 5; });

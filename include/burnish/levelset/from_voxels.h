@@ -36,6 +36,9 @@ struct ValueRange {
   double least = 0, most = 0;
 };
 
+// Whether there are no values but two: a segmentation, whose surface is a staircase.
+bool has_two_values(const VoxelSamples& samples, const ValueRange& range);
+
 // Throws Error{unreadable_input} with the place of the first value that is not finite, and for no values at all.
 ValueRange value_range(const VoxelSamples& samples);
 
