@@ -233,7 +233,8 @@ class FieldRun : SolidRun {
     const double half_width = narrow_band().value_or(kVoxelsOfBand);
     const bool are_exact = !plan_.flows() && !job_.redistance && !built_.nearest.empty();
     const TriangleSoup facets = are_exact ? to_lattice(prepared_.capped.soup, set.frame) : TriangleSoup{};
-    const FieldSamples samples = are_exact ? FieldSamples(set, facets, built_.roles, built_.nearest) : FieldSamples(set);
+    const double band = job_.band * (result_.is_adaptive() ? 1 << report_.options.coarsest_level : 1);
+    const FieldSamples samples = are_exact ? FieldSamples(set, facets, built_.roles, built_.nearest, std::max(band, half_width)) : FieldSamples(set);
     if (output_.format() == FieldFormat::vdb) {
       begin("writing");
       return output_.write(set, samples, half_width, progress_);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double kSlack = 1 + 1e-6;    // of a bound that was rounded to float
 constexpr double kCertain = 1 - 1e-6;  // of a ball without facets
+constexpr double kFarShare = 0.99;     // of a bound beyond the reach: what is not nearer than that is not looked for
 constexpr double kTiny = 1e-9;         // cells
 
 Vec3 position(const LatticeNode& n) { return {static_cast<double>(n.x), static_cast<double>(n.y), static_cast<double>(n.z)}; }
@@ -85,8 +86,8 @@ class FieldSamples::Cubic {
   std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
 };
 
-FieldSamples::FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest)
-    : set_(set), tree_(set.octree()), facets_(&facets), nearest_(&nearest) {
+FieldSamples::FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest, double reach)
+    : set_(set), tree_(set.octree()), facets_(&facets), nearest_(&nearest), reach_(reach) {
   const TriangleSoup boundary = with_role(facets, roles, FacetRole::boundary);
   boundary_ = std::make_shared<const TriangleIndex>(boundary);
   all_ = boundary.facets.size() == facets.facets.size() ? boundary_ : std::make_shared<const TriangleIndex>(facets);
@@ -128,7 +129,8 @@ double FieldSamples::distance(const Vec3& p, const Corners& corners, Vec3& foot)
   for (std::size_t c = 0; c < corners.count; ++c)
     if (const std::uint32_t f = corners.facet[c]; f != kNoFacet)
       d = std::min(d, norm(p - closest_point_on_triangle(p, facets_->corner(f, 0), facets_->corner(f, 1), facets_->corner(f, 2))));
-  const auto closest = boundary_->closest(p, d * d * kSlack + kTiny);
+  const double within = kFarShare * d > reach_ ? kFarShare * d : d;
+  const auto closest = boundary_->closest(p, within * within * kSlack + kTiny);
   if (closest.facet == kNoFacet) return d;
   foot = closest.point;
   return std::sqrt(closest.squared_distance);

@@ -12,7 +12,7 @@
 
 namespace burnish {
 
-// Where phi is the distance to facets, so are samples, exact but for rounding, however far: more exact than nodes beyond the band. Signs are those of the
+// Where phi is the distance to facets, so are samples: exact but for rounding up to `reach`, beyond it up to 1 % too large. Signs are those of the
 // nodes: a node whose ball without facets holds the point, or that the point's ball holds, says which; the rest is said by winding numbers. [T-EXPORT-1]
 //
 // Otherwise (smoothed, redistanced) samples are the tricubic interpolant of the nodes, off by O(h^4) where phi is smooth. [T-EXPORT-2] Outside the
@@ -22,11 +22,11 @@ namespace burnish {
 class FieldSamples {
  public:
   // `facets`: what the level set was built from; `roles` of them. `nearest`: the nearest of them to each node, in phi's layout.
-  FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest);
+  FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest, double reach);
   explicit FieldSamples(const LevelSet& set) : set_(set), tree_(set.octree()) {}
 
   bool is_exact() const { return boundary_ != nullptr; }
-  // phi at the points. Faster for points that follow each other: 2 us each within a few cells of the surface, about 10 where it is 30 facets away.
+  // phi at the points. Faster for points that follow each other.
   void at(std::span<const Vec3> points, double* phi) const;
 
  private:
@@ -45,6 +45,7 @@ class FieldSamples {
   const Octree& tree_;
   const TriangleSoup* facets_ = nullptr;
   const Field<std::uint32_t>* nearest_ = nullptr;
+  double reach_ = 0;
   std::shared_ptr<const TriangleIndex> boundary_;  // facets that bound the solid
   std::shared_ptr<const TriangleIndex> all_;       // of all facets, which winding numbers count
 };

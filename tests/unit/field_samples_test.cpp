@@ -31,7 +31,7 @@ struct Built {
     lattice = to_lattice(soup, frame);
   }
 
-  FieldSamples samples() const { return FieldSamples(from.level_set, lattice, from.roles, from.nearest); }
+  FieldSamples samples() const { return FieldSamples(from.level_set, lattice, from.roles, from.nearest, 3); }
 };
 
 double sample_at(const FieldSamples& samples, const Vec3& p) {
@@ -51,7 +51,7 @@ double in_unit_cube(const Vec3& p) {
   return -norm(max(q, Vec3{})) - std::min(0.0, std::max({q.x, q.y, q.z}));
 }
 
-// Anywhere, outside the domain too.
+// Anywhere, outside the domain too: within the band exactly, beyond it up to 1 % too large.
 TEST(FieldSamples, AreTheSignedDistanceToFacets) {
   std::mt19937 random(kSeed);
   for (const std::optional<double> tolerance : {std::optional<double>{}, std::optional<double>(0.5)}) {
@@ -63,7 +63,8 @@ TEST(FieldSamples, AreTheSignedDistanceToFacets) {
       const Vec3 p = random_in(random, {{-1, -1, -1}, {2, 2, 2}});
       const double exact = in_unit_cube(p) / frame.cell, phi = sample_at(samples, frame.to_lattice(p));
       ASSERT_EQ(phi > 0, exact > 0) << "seed " << kSeed << ", " << p.x << ' ' << p.y << ' ' << p.z;
-      ASSERT_NEAR(phi, exact, 1e-10) << "seed " << kSeed;
+      ASSERT_GE(std::abs(phi), std::abs(exact) - 1e-10) << "seed " << kSeed;
+      ASSERT_LE(std::abs(phi), (std::abs(exact) > 3 ? 1.0102 : 1) * std::abs(exact) + 1e-10) << "seed " << kSeed;
     }
   }
 }
@@ -105,7 +106,7 @@ TEST(FieldSamples, InterpolateByTheFourthOrder) {
     EXPECT_FALSE(samples.is_exact());
     std::mt19937 random(kSeed);
     for (int i = 0; i < 5000; ++i) {
-      const Vec3 p = random_in(random, {{8, 8, 8}, {56, 56, 56}});
+      const Vec3 reach{1.4 * radius, 1.4 * radius, 1.4 * radius}, p = random_in(random, {center - reach, center + reach});
       const double exact = radius - norm(p - center);
       if (std::abs(exact) < radius / 3) worst[r] = std::max(worst[r], std::abs(sample_at(samples, p) - exact));
     }
@@ -113,8 +114,8 @@ TEST(FieldSamples, InterpolateByTheFourthOrder) {
     EXPECT_NEAR(sample_at(samples, {-20, 30, 40}), radius - norm(Vec3{-20, 30, 40} - center), 0.2);
     EXPECT_NEAR(sample_at(samples, {100, 80, -9}), radius - norm(Vec3{100, 80, -9} - center), 0.5);
   }
-  EXPECT_LT(worst[1], 1e-4);
-  EXPECT_LT(7 * worst[1], worst[0]);
+  EXPECT_LT(worst[1], 5e-4);
+  EXPECT_LT(6 * worst[1], worst[0]);
 }
 
 TEST(FieldSamples, GridsCoverTheBoxAndBeginInItsCorner) {

@@ -157,7 +157,7 @@ struct FieldResult {
 //
 // The file (io/field_files.h; docs/formats.md) has a cell for each cell of the octree in blocks with facets within the band, and one
 // for each block beyond them, unless `cells` says otherwise. Other formats have phi at the nodes of a uniform grid, or a narrow band of voxels: the
-// distance to the facets, exact but for rounding, however far; of a field that was smoothed or
+// distance to the facets, exact but for rounding within the band, beyond it up to 1 % too large; of a field that was smoothed or
 // redistanced the tricubic interpolant of its nodes, off by O(h^4) where that is smooth. The file is written also when a comparison fails.
 //
 // An input that bounds no solid comes back as `failure`. Throws Error for everything else: usage for an output of another suffix, for a band below
