@@ -185,6 +185,28 @@ def openfoam_measures_the_same_volume(box):
 
 
 @scenario("ic")
+def openfoam_reads_the_same_values(box):
+    """Written in binary, and by OpenFOAM again as text with all digits: bit by bit what is written as text."""
+    module = table()
+    if not module.has_foam():
+        print("  skipped: no OpenFOAM (scripts/bootstrap peers)")
+        return
+    box.write("ball.stl", models.binary_stl([tuple(tuple(0.5 * c for c in p) for p in t) for t in ball()]))
+    read = []
+    for binary in (False, True):
+        case = module.Case(box.folder / f"binary-{binary}", 10, binary=binary)
+        case.run("blockMesh")
+        box.succeed(["ic", "ball.stl", "--case", case.path.name, "--also-phi", "psi", "--invert", "-q"])
+        if binary:
+            expect(b"format      binary" in (case.path / "0/psi").read_bytes(), "psi is text")
+            control = case.path / "system/controlDict"
+            control.write_text(control.read_text().replace("writeFormat binary", "writeFormat ascii"))
+            case.run("foamFormatConvert", "-time", "0")
+        read.append((values(case.path / "0/alpha.water"), values(case.path / "0/psi")))
+    expect(len(read[0][0]) == len(read[0][1]) == 1000 and read[0] == read[1], "values differ")
+
+
+@scenario("ic")
 def solvers_start_from_it(box):
     module = table()
     if not module.has_foam():

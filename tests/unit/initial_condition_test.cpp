@@ -159,7 +159,8 @@ TEST(InitialCondition, LevelSetsComeNear) {
 TEST(InitialCondition, RepairsWhatIsBroken) {
   Fixture f;
   // A hole, a facet the wrong way round, and another ball that overlaps the first.
-  TriangleSoup broken = merged(with_flipped_facet(without_facets(f.ball, {7}), 100), moved(f.ball, {0.2, 0.1, 0}));
+  const TriangleSoup ball = scaled(icosphere(2), 0.6);
+  const TriangleSoup broken = merged(with_flipped_facet(without_facets(ball, {7}), 100), moved(ball, {0.2, 0.1, 0}));
   f.job.input = f.folder.write("broken.ply", broken);
   const InitialConditionResult result = initial_condition(f.job);
   ASSERT_FALSE(result.failure);
@@ -167,7 +168,7 @@ TEST(InitialCondition, RepairsWhatIsBroken) {
   // Two balls whose centres are d apart: the lens they share is pi (2 R - d)^2 (d^2 + 4 d R) / (12 d).
   const double r = 0.6, d = std::hypot(0.2, 0.1);
   const double lens = std::numbers::pi * (2 * r - d) * (2 * r - d) * (d * d + 4 * d * r) / (12 * d);
-  EXPECT_NEAR(result.alpha.volume, 2 * 4.0 / 3 * std::numbers::pi * r * r * r - lens, 0.005);
+  EXPECT_NEAR(result.alpha.volume, 2 * 4.0 / 3 * std::numbers::pi * r * r * r - lens, 0.04);  // facets cut off 3 %
   EXPECT_NEAR(result.alpha.volume, result.solid.volume, 1e-12);
 }
 
