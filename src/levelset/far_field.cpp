@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "burnish/core/parallel.h"
 
@@ -10,6 +11,8 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kMostCandidates = 128;
+constexpr std::size_t kKeptPerPlace = 6;
+constexpr std::array<int, 3> kPlaces{0, 4, 8};        // along each axis of a leaf
 constexpr std::array<int, 4> kSampled{0, 2, 5, 7};  // along each axis of a neighbour
 
 void add_sampled(const DistanceField& field, std::size_t leaf, std::vector<std::uint32_t>& candidates) {
@@ -26,14 +29,43 @@ void add_own(const DistanceField& field, std::size_t leaf, std::vector<std::uint
     if (nearest[n] != kNoFacet) candidates.push_back(nearest[n]);
 }
 
-// Sorted, each once, thinned evenly if there are too many.
-void thin_out(std::vector<std::uint32_t>& candidates) {
+void sort_each_once(std::vector<std::uint32_t>& candidates) {
   std::sort(candidates.begin(), candidates.end());
   candidates.erase(std::unique(candidates.begin(), candidates.end()), candidates.end());
-  const std::size_t n = candidates.size();
-  if (n <= kMostCandidates) return;
-  for (std::size_t i = 0; i < kMostCandidates; ++i) candidates[i] = candidates[i * n / kMostCandidates];
-  candidates.resize(kMostCandidates);
+}
+
+// A facet is within a ball.
+struct Ball {
+  Vec3 middle;
+  double radius = 0;
+};
+
+Ball ball_around(const TriangleSoup& soup, std::uint32_t f) {
+  const Vec3 middle = (soup.corner(f, 0) + soup.corner(f, 1) + soup.corner(f, 2)) / 3;
+  double radius = 0;
+  for (int i = 0; i < 3; ++i) radius = std::max(radius, norm(soup.corner(f, i) - middle));
+  return {middle, radius};
+}
+
+// Sorted, each once; if there are too many, those that may be the closest of 27 places all over the leaf, by the balls around them. [T-FAR-1]
+void thin_out(const TriangleSoup& soup, const Octree& tree, std::size_t leaf, std::vector<std::uint32_t>& candidates) {
+  sort_each_once(candidates);
+  if (candidates.size() <= kMostCandidates) return;
+  std::vector<Ball> balls;
+  for (const std::uint32_t f : candidates) balls.push_back(ball_around(soup, f));
+  std::vector<std::pair<double, std::uint32_t>> nearest(candidates.size());
+  std::vector<std::uint32_t> kept;
+  for (const int k : kPlaces)
+    for (const int j : kPlaces)
+      for (const int i : kPlaces) {
+        const LatticeNode node = lattice_node(tree, leaf, i, j, k);
+        const Vec3 place{static_cast<double>(node.x), static_cast<double>(node.y), static_cast<double>(node.z)};
+        for (std::size_t c = 0; c < candidates.size(); ++c) nearest[c] = {norm(balls[c].middle - place) - balls[c].radius, candidates[c]};
+        std::nth_element(nearest.begin(), nearest.begin() + kKeptPerPlace, nearest.end());
+        for (std::size_t c = 0; c < kKeptPerPlace; ++c) kept.push_back(nearest[c].second);
+      }
+  sort_each_once(kept);
+  candidates.swap(kept);
 }
 
 // [T-FAR-1]
@@ -107,7 +139,7 @@ class FarField {
     for (int dir = 0; dir < kDirections; ++dir)
       for (const std::uint32_t other : tree_.neighbors(leaf, dir))
         if (dir != kSelf && wave_of_[other] < wave) add_sampled(field_, other, candidates);
-    thin_out(candidates);
+    thin_out(soup_, tree_, leaf, candidates);
     std::array<double, kBlockNodes> squared;
     std::array<std::uint32_t, kBlockNodes> ids;
     squared_distances_to(soup_, candidates, tree_, leaf, squared.data(), ids.data());
