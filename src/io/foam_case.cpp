@@ -55,7 +55,7 @@ std::string start_time_folder(const std::string& case_folder) {
   const std::vector<std::string> times = time_folders(case_folder);
   if (start.from == "firstTime" && !times.empty()) return times.front();
   const std::optional<double> time = whole_number(start.time);
-  if (start.from == "startTime" && time && *time >= 0) return time_folder(case_folder, *time);
+  if (start.from == "startTime") return time && *time >= 0 ? time_folder(case_folder, *time) : "0";
   // latestTime is what OpenFOAM takes where nothing is said.
   return times.empty() ? "0" : times.back();
 }

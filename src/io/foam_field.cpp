@@ -75,6 +75,7 @@ std::string condition_with(const FoamField& field, const std::string& body, doub
     if (e.name == "type" && std::find(kTakesValue.begin(), kTakesValue.end(), e.value) == kTakesValue.end()) replace(e.value, "fixedValue");
   }
   result.append(view(copied, body.data() + body.size()));
+  if (find_entry(entries, "type") && find_entry(entries, "value")) return result;
   result.resize(result.find_last_not_of(" \t\r\n") + 1);
   // Of a type that a macro brings in nothing is known: the later entry counts.
   if (!find_entry(entries, "type")) result += "\n        type            fixedValue;";

@@ -268,6 +268,31 @@ TEST(FoamFieldText, SetsValuesOfPatches) {
   EXPECT_THROW(set_patch_value(field, "front", kPatches, 1), Error);
 }
 
+// A condition that computes its value itself, or whose type a macro brings in, would pass over a value: it becomes fixedValue.
+TEST(FoamFieldText, ValuesCountWhateverTheConditionWas) {
+  Folder folder;
+  std::string text(kTemplate);
+  const std::string outlet = "outlet { type zeroGradient; }";
+  for (const auto& [before, after] : {std::pair{"outlet { type uniformFixedValue; uniformValue table 1(0 1); }", "type fixedValue; uniformValue table 1(0 1);\n        value           uniform 1;"},
+                                      std::pair{"outlet { $outflow; }", "$outflow;\n        type            fixedValue;\n        value           uniform 1;"}}) {
+    std::string with = text;
+    with.replace(with.find(outlet), outlet.size(), before);
+    write_text(folder, "alpha", with);
+    FoamField field = read_foam_field(folder.path("alpha"));
+    set_patch_value(field, "outlet", kPatches, 1);
+    EXPECT_TRUE(contains(field.after, after)) << field.after;
+  }
+}
+
+TEST(FoamFieldText, OtherMacrosStay) {
+  Folder folder;
+  std::string text(kTemplate);
+  const std::string macro = "$internalField;";
+  text.replace(text.find(macro), macro.size(), "${internalField}; a $internalFieldOld; b $!internalField;");
+  write_text(folder, "alpha", text);
+  EXPECT_TRUE(contains(read_foam_field(folder.path("alpha")).after, "uniform 0.25; a $internalFieldOld; b uniform 0.25;"));
+}
+
 TEST(FoamFieldText, UniformValuesAreOneNumber) {
   Folder folder;
   EXPECT_TRUE(contains(written(folder, new_foam_field("f", "[0 0 0 0 0 0 0]", kPatches, {}), {1, 1, 1}), "internalField   uniform 1;"));
@@ -308,6 +333,9 @@ TEST(FoamCase, StartsFromWhereControlDictSays) {
   EXPECT_EQ(start("startFrom firstTime; functions { f { startFrom latestTime; } }"), "0");
   EXPECT_EQ(start("startFrom startTime; startTime 3;"), "3");
   EXPECT_EQ(start("startFrom startTime; startTime $t;"), "0");
+  EXPECT_EQ(start("application interFoam;"), "10") << "OpenFOAM takes the latest time where nothing is said";
+  EXPECT_EQ(time_folder(folder.path("case"), 5e-1), "0.50");
+  EXPECT_EQ(time_folder(folder.path("case"), 0.25), "0.25");
   EXPECT_EQ(time_folders(folder.path("case")), (std::vector<std::string>{"0", "0.50", "10"}));
 }
 
