@@ -27,7 +27,7 @@ struct VolumeFractions {
   std::vector<double> alpha;         // per cell
   double volume = 0;                 // sum of alpha x the cell's volume
   std::size_t mixed = 0;             // cells that the surface passes through
-  std::size_t clamped = 0;           // whose result was outside [0, 1] by more than 1e-9 before it was clamped: of exact fractions none, as a rule
+  std::size_t clamped = 0;           // whose result was outside [0, 1] by more than 1e-9 before it was clamped: of exact and linear ones none, of curved ones corners that a paraboloid overshoots
   double worst_clamp = 0;            // by how much
 };
 
