@@ -7,6 +7,7 @@
 #include "burnish/pipeline/report.h"
 #include "commands.h"
 #include "console.h"
+#include "shared_rows.h"
 #include "streams.h"
 #include "summary.h"
 #include "values.h"
@@ -63,14 +64,12 @@ class CheckCommand : public Command {
          "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.defects_output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
-        {"--salvage", 0, "", "Options", "Take what a truncated or malformed file holds.",
-         switch_on(job_.salvage)},
-        {"--threads", 0, "N", "Options", "Use at most N threads. The result does not depend on it.",
-         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
-        {"--quiet", 'q', "", "Options", "Print errors only: the exit code is the answer.", switch_on(quiet_)},
+        salvage_row("Options", job_.salvage),
+        threads_row("Options", threads_),
+        quiet_row("Options", quiet_, true),
         {"--verbose", 'v', "", "Options", "Print up to 50 places of each kind of defect, not 3.",
          switch_on(verbose_)},
-        {"--help", 'h', "", "Options", "Print this help.", [](const GivenValue&) {}},
+        help_row("Options"),
     };
   }
 

@@ -12,8 +12,9 @@
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
-#include "report_error.h"
+#include "outcome.h"
 #include "report_file.h"
+#include "shared_rows.h"
 #include "streams.h"
 #include "summary.h"
 #include "values.h"
@@ -63,9 +64,7 @@ class CleanCommand : public Command {
     if (report_file.wanted()) report_file.write(to_json(report));
     console.warn(report.input, report.warnings);
     print(report, monotonic_seconds() - start);
-    if (!report.failure) return 0;
-    print_error(*report.failure);
-    return exit_code(report.failure->code());
+    return end_with(report.failure);
   }
 
  private:
@@ -81,18 +80,16 @@ class CleanCommand : public Command {
          store_text(report_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},
-        {"--salvage", 0, "", "Broken files", "Take what a truncated or malformed file holds.",
-         switch_on(job_.salvage)},
+        salvage_row("Broken files", job_.salvage),
         {"--allow-invalid", 0, "", "Broken files",
          "Write the result even if it could not be verified. The exit code is still 5.",
          switch_on(job_.allow_invalid)},
-        {"--threads", 0, "N", "Resources", "Use at most N threads. The result does not depend on it.",
-         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
+        threads_row("Resources", threads_),
         {"--time-limit", 0, "S", "Resources", "End the run after S seconds, with exit code 7 and nothing written.",
          [this](const GivenValue& v) { time_limit_ = positive_number(v); }},
-        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
+        quiet_row("Messages", quiet_),
         {"--verbose", 'v', "", "Messages", "Print details and what each stage cost.", switch_on(verbose_)},
-        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+        help_row("Messages"),
         {"--version", 0, "", "Messages", "Print the version.", [](const GivenValue&) {}},
     };
     return with_clean_options(std::move(table), job_.options);

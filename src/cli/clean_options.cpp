@@ -1,4 +1,5 @@
 #include "clean_options.h"
+#include "shared_rows.h"
 
 #include <fmt/format.h>
 
@@ -44,11 +45,8 @@ std::vector<Option> rows(CleanOptions& o) {
     {"--method", 0, "M", "Repair",
      "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
      [&o](const GivenValue& v) { o.method = one_of<Method>(v, {"auto", "local", "levelset"}); }},
-    {"--nested", 0, "N", "Repair",
-     "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
-     [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
-    {"--gap", 0, "L", "Repair", "Close cracks up to a width of L by joining the points on both sides.",
-     [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+    nested_row("Repair", o),
+    gap_row("Repair", o),
     {"--recentre", 0, "", "Repair", "Move the model to the origin: for coordinates too large for an STL.",
      switch_on(o.recentre)},
     {"--max-hole", 0, "L", "Openings", "Close holes up to a diameter of L; wider openings stay.",
@@ -108,9 +106,7 @@ std::vector<Option> rows(CleanOptions& o) {
      [&o](const GivenValue& v) { o.facets = integer_within(v, 4, 4'000'000'000); }},
     {"--simplify", 0, "T", "Triangles", "Simplify the result as far as it stays within T of what it was; creases stay.",
      [&o](const GivenValue& v) { o.simplify = length_without_cells(v); }},
-    {"--memory", 0, "SIZE", "Resources",
-     "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.",
-     [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
+    memory_row("Resources", o),
   };
 }
 

@@ -13,6 +13,7 @@
 #include "commands.h"
 #include "compare_summary.h"
 #include "console.h"
+#include "shared_rows.h"
 #include "streams.h"
 #include "values.h"
 
@@ -80,12 +81,10 @@ class CompareCommand : public Command {
         {"--exact", 0, "", "Options", "Take every distance by exact arithmetic: about 15 times slower.",
          switch_on(job_.exact)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
-        {"--salvage", 0, "", "Options", "Take what a truncated or malformed file holds.",
-         switch_on(job_.salvage)},
-        {"--threads", 0, "N", "Options", "Use at most N threads. The result does not depend on it.",
-         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
-        {"--quiet", 'q', "", "Options", "Print errors only: the exit code is the answer.", switch_on(quiet_)},
-        {"--help", 'h', "", "Options", "Print this help.", [](const GivenValue&) {}},
+        salvage_row("Options", job_.salvage),
+        threads_row("Options", threads_),
+        quiet_row("Options", quiet_, true),
+        help_row("Options"),
         {"--normals", 0, "", "A against a truth", "Take B for what A should be: errors of normals and distance, near creases and elsewhere.",
          switch_on(truth_asked_)},
         {"--input", 0, "FILE", "A against a truth", "What A was made from: its volume is compared as well.", store_text(truth_.input)},

@@ -11,8 +11,8 @@
 #include "commands.h"
 #include "console.h"
 #include "curvature_summary.h"
-#include "report_error.h"
-#include "streams.h"
+#include "outcome.h"
+#include "shared_rows.h"
 #include "values.h"
 
 namespace burnish {
@@ -55,15 +55,8 @@ class CurvatureCommand : public Command {
     if (job_.overwrite && job_.output.empty()) console.warn("--overwrite", {"has no effect without -o"});
     const double start = monotonic_seconds();
     const CurvatureResult result = curvature(job_, console);
-    console.end_stage();
-    console.warn(result.input, result.warnings);
-    if (json_)
-      write_stdout(to_json(result));
-    else if (!quiet_ && !result.failure)
-      write_stdout(curvature_summary(result, monotonic_seconds() - start));
-    if (!result.failure) return 0;
-    print_error(*result.failure);
-    return exit_code(result.failure->code());
+    tell(result, json_, quiet_, console, !result.failure, [&] { return curvature_summary(result, monotonic_seconds() - start); });
+    return end_with(result.failure);
   }
 
  private:
@@ -89,19 +82,15 @@ class CurvatureCommand : public Command {
          }},
         {"--resolution", 0, "N", "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
          [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
-        {"--nested", 0, "N", "Preparation", "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
-         [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
-        {"--gap", 0, "L", "Preparation", "Close cracks up to a width of L by joining the points on both sides.",
-         [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+        nested_row("Preparation", o),
+        gap_row("Preparation", o),
         {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
          [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
-        {"--salvage", 0, "", "Preparation", "Take what a truncated or malformed file holds.", switch_on(job_.salvage)},
-        {"--threads", 0, "N", "Resources", "Use at most N threads. The result does not depend on it.",
-         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
-        {"--memory", 0, "SIZE", "Resources", "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.",
-         [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
-        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
-        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+        salvage_row("Preparation", job_.salvage),
+        threads_row("Resources", threads_),
+        memory_row("Resources", o),
+        quiet_row("Messages", quiet_),
+        help_row("Messages"),
     };
   }
 

@@ -11,6 +11,7 @@
 #include "burnish/surface/example_shapes.h"
 #include "commands.h"
 #include "console.h"
+#include "shared_rows.h"
 #include "streams.h"
 #include "suggest.h"
 #include "values.h"
@@ -111,8 +112,8 @@ class ExampleCommand : public Command {
          store_text(output_)},
         {"--truth", 0, "FILE", "Output", "Write the clean shape here.", store_text(truth_)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(overwrite_)},
-        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
-        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+        quiet_row("Messages", quiet_),
+        help_row("Messages"),
     };
   }
 

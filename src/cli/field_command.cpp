@@ -13,8 +13,8 @@
 #include "commands.h"
 #include "console.h"
 #include "field_summary.h"
-#include "report_error.h"
-#include "streams.h"
+#include "outcome.h"
+#include "shared_rows.h"
 #include "values.h"
 
 namespace burnish {
@@ -74,11 +74,8 @@ class FieldCommand : public Command {
   int build(Console& console) {
     const double start = monotonic_seconds();
     const FieldResult result = field(job_, console);
-    tell(result, start, console, !result.failure);
-    if (result.failure) {
-      print_error(*result.failure);
-      return exit_code(result.failure->code());
-    }
+    tell(result, json_, quiet_, console, !result.failure, [&] { return summary_of(result, monotonic_seconds() - start); });
+    if (const int code = end_with(result.failure)) return code;
     return result.verification && !result.verification->passed() ? exit_code(ErrorCode::answer_is_no) : 0;
   }
 
@@ -90,18 +87,9 @@ class FieldCommand : public Command {
     job.cell = job_.options.cell, job.resolution = job_.options.resolution, job.cell_max = job_.options.cell_max;
     job.limits = job_.limits;
     job.memory_bytes = job_.options.memory_bytes;
-    tell(cell_octree(job, console), start, console, true);
+    const CellOctreeResult result = cell_octree(job, console);
+    tell(result, json_, quiet_, console, true, [&] { return summary_of(result, monotonic_seconds() - start); });
     return 0;
-  }
-
-  template <class Result>
-  void tell(const Result& result, double start, Console& console, bool has_summary) const {
-    console.end_stage();
-    console.warn(result.input, result.warnings);
-    if (json_)
-      write_stdout(to_json(result));
-    else if (!quiet_ && has_summary)
-      write_stdout(summary_of(result, monotonic_seconds() - start));
   }
 
   // An option that means nothing to an octree of cells.
@@ -110,6 +98,11 @@ class FieldCommand : public Command {
       set(v);
       if (of_level_set_.empty()) of_level_set_ = v.name;
     };
+  }
+
+  Option of_level_set(Option row) {
+    row.set = of_level_set(std::move(row.set));
+    return row;
   }
 
   // The same, of what is said about the file; the first that was given is remembered with the formats that it is for.
@@ -186,19 +179,15 @@ class FieldCommand : public Command {
          [this](const GivenValue& v) { job_.limits.max_face_cut = facets(v); }},
         {"--refine-tol", 0, "X", "Refinement", "Divide while a cell is wider than X times the shortest edge of the facets that cut them.",
          [this](const GivenValue& v) { job_.limits.refine_tol = refine_tol(v); }},
-        {"--nested", 0, "N", "Preparation", "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
-         of_level_set([&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); })},
-        {"--gap", 0, "L", "Preparation", "Close cracks up to a width of L by joining the points on both sides.",
-         of_level_set([&o](const GivenValue& v) { o.gap = length_without_cells(v); })},
+        of_level_set(nested_row("Preparation", o)),
+        of_level_set(gap_row("Preparation", o)),
         {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
          of_level_set([&o](const GivenValue& v) { o.max_hole = length_without_cells(v); })},
-        {"--salvage", 0, "", "Preparation", "Take what a truncated or malformed file holds.", switch_on(job_.salvage)},
-        {"--threads", 0, "N", "Resources", "Use at most N threads. The result does not depend on it.",
-         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
-        {"--memory", 0, "SIZE", "Resources", "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.",
-         [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
-        {"--quiet", 'q', "", "Messages", "Print errors only: the exit code is the answer.", switch_on(quiet_)},
-        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+        salvage_row("Preparation", job_.salvage),
+        threads_row("Resources", threads_),
+        memory_row("Resources", o),
+        quiet_row("Messages", quiet_, true),
+        help_row("Messages"),
     };
   }
 

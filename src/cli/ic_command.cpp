@@ -11,8 +11,8 @@
 #include "commands.h"
 #include "console.h"
 #include "ic_summary.h"
-#include "report_error.h"
-#include "streams.h"
+#include "outcome.h"
+#include "shared_rows.h"
 #include "values.h"
 
 namespace burnish {
@@ -53,15 +53,8 @@ class IcCommand : public Command {
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
     const double start = monotonic_seconds();
     const InitialConditionResult result = initial_condition(job_, console);
-    console.end_stage();
-    console.warn(result.input, result.warnings);
-    if (json_)
-      write_stdout(to_json(result));
-    else if (!quiet_ && !result.failure)
-      write_stdout(summary_of(result, monotonic_seconds() - start));
-    if (!result.failure) return 0;
-    print_error(*result.failure);
-    return exit_code(result.failure->code());
+    tell(result, json_, quiet_, console, !result.failure, [&] { return summary_of(result, monotonic_seconds() - start); });
+    return end_with(result.failure);
   }
 
  private:
@@ -84,20 +77,18 @@ class IcCommand : public Command {
         {"--scale", 0, "S", "Fractions", "Multiply the model's coordinates by S, such as 0.001 from millimetres to metres.",
          [this](const GivenValue& v) { job_.scale = positive_number(v); }},
         {"--smooth", 0, "L", "Preparation", "Remove waves shorter than L first. The volume is kept.", [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
-        {"--nested", 0, "N", "Preparation", "What a body inside a body is: 'solid', 'cavity', or 'auto' (default): a cavity if it is oriented so.",
-         [&o](const GivenValue& v) { o.nesting = one_of<Nesting>(v, {"auto", "solid", "cavity"}); }},
-        {"--gap", 0, "L", "Preparation", "Close cracks up to a width of L by joining the points on both sides.", [&o](const GivenValue& v) { o.gap = length_without_cells(v); }},
+        nested_row("Preparation", o),
+        gap_row("Preparation", o),
         {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L only; what is open then is refused.", [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
         {"--cell", 0, "L", "Preparation", "Side of a level set's cells: of --method linear and curved, or, with neither, one to rebuild the surface with.",
          [&o](const GivenValue& v) {
            if (v.text != "auto") o.cell = length_without_cells(v);
          }},
-        {"--salvage", 0, "", "Preparation", "Take what a truncated or malformed file holds.", switch_on(job_.salvage)},
-        {"--threads", 0, "N", "Resources", "Use at most N threads. The result does not depend on it.",
-         [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
-        {"--memory", 0, "SIZE", "Resources", "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.", [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }},
-        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
-        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+        salvage_row("Preparation", job_.salvage),
+        threads_row("Resources", threads_),
+        memory_row("Resources", o),
+        quiet_row("Messages", quiet_),
+        help_row("Messages"),
     };
   }
 

@@ -10,8 +10,9 @@
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
-#include "report_error.h"
+#include "outcome.h"
 #include "report_file.h"
+#include "shared_rows.h"
 #include "streams.h"
 #include "values.h"
 
@@ -61,15 +62,15 @@ class SweepCommand : public Command {
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
         {"--report", 0, "FILE", "Output", "Write the runs' reports as a JSON array.", store_text(report_path_)},
         {"--json", 0, "", "Output", "Print them on standard output instead of the table.", switch_on(json_)},
-        {"--salvage", 0, "", "Broken files", "Take what a truncated or malformed file holds.", switch_on(job_.salvage)},
+        salvage_row("Broken files", job_.salvage),
         {"--allow-invalid", 0, "", "Broken files", "Write results even if they could not be verified. The exit code is still 5.",
          switch_on(job_.allow_invalid)},
         {"--threads", 0, "N", "Resources", "Use at most N threads. The results do not depend on it.",
          [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
         {"--time-limit", 0, "S", "Resources", "End the run after S seconds, with exit code 7; what was verified by then stays.",
          [this](const GivenValue& v) { time_limit_ = positive_number(v); }},
-        {"--quiet", 'q', "", "Messages", "Print errors only.", switch_on(quiet_)},
-        {"--help", 'h', "", "Messages", "Print this help.", [](const GivenValue&) {}},
+        quiet_row("Messages", quiet_),
+        help_row("Messages"),
     };
     table = with_clean_options(std::move(table), job_.options);
     for (Option& option : table) {
@@ -140,9 +141,7 @@ class SweepCommand : public Command {
       for (const RepairReport& r : reports) write_stdout(line_of(r));
     }
     const auto failed = std::find_if(reports.begin(), reports.end(), [](const RepairReport& r) { return r.failure.has_value(); });
-    if (failed == reports.end()) return 0;
-    print_error(*failed->failure);
-    return exit_code(failed->failure->code());
+    return failed == reports.end() ? 0 : end_with(failed->failure);
   }
 
   CleanJob job_;

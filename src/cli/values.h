@@ -40,7 +40,7 @@ double positive_number(const GivenValue& given);
 // A number of bytes such as 800M or 4G.
 std::uint64_t byte_count(const GivenValue& given);
 
-// Rows that several commands' tables share.
+// Setters that only store.
 Setter switch_on(bool& flag);
 Setter store_text(std::string& text);
 
