@@ -138,7 +138,6 @@ VolumeFractions curved_volume_fractions(const PolyhedralMesh& mesh, const CellGe
   const std::vector<std::uint32_t> left = CurvedFractions(mesh, geometry, faces, field, near).run(result.alpha, progress);
   cut_linearly(mesh, geometry, faces, field, near, left, options, result.alpha, progress);
   clamp_and_sum(geometry, result);
-  result.mixed = count_mixed(result.alpha, near.cells);
   return result;
 }
 

@@ -93,7 +93,6 @@ class ExactFractions {
     });
     add_lights();
     clamp_and_sum(geometry_, result_);
-    for (const double alpha : result_.alpha) result_.mixed += alpha > 0 && alpha < 1;
     return std::move(result_);
   }
 

@@ -5,7 +5,7 @@
 
 namespace burnish {
 
-// `result.alpha` into [0, 1], and the sums over it.
+// `result.alpha` into [0, 1], and the sums and counts over it.
 void clamp_and_sum(const CellGeometry& geometry, VolumeFractions& result);
 
 }  // namespace burnish

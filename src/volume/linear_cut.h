@@ -15,7 +15,4 @@ void cut_linearly(const PolyhedralMesh& mesh, const CellGeometry& geometry, cons
 // 0 or 1 for each cell, by phi's sign at its middle.
 std::vector<double> whole_fractions(const NearCells& near);
 
-// How many of the listed cells are neither empty nor full.
-std::size_t count_mixed(const std::vector<double>& alpha, std::span<const std::uint32_t> cells);
-
 }  // namespace burnish

@@ -162,10 +162,6 @@ std::vector<double> whole_fractions(const NearCells& near) {
   return alpha;
 }
 
-std::size_t count_mixed(const std::vector<double>& alpha, std::span<const std::uint32_t> cells) {
-  return static_cast<std::size_t>(std::count_if(cells.begin(), cells.end(), [&](std::uint32_t c) { return alpha[c] > 0 && alpha[c] < 1; }));
-}
-
 VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
                                         const FractionOptions& options, Progress& progress) {
   progress.begin_stage("volume fractions");
@@ -174,7 +170,6 @@ VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGe
   result.alpha = whole_fractions(near);
   cut_linearly(mesh, geometry, faces, field, near, near.cells, options, result.alpha, progress);
   clamp_and_sum(geometry, result);
-  result.mixed = count_mixed(result.alpha, near.cells);
   return result;
 }
 

@@ -78,33 +78,24 @@ void expect_order(Method method, const AnalyticShape& shape, double volume, Kind
   EXPECT_LE(volume_error(method, shape, volume, finest, kind), bar * std::pow(6 / finest, order));
 }
 
-TEST(LinearFractions, SphereConvergesWithOrderThreeOnEveryMesh) {
+// `finer`: the bar of the hexahedra up to R/h = 24.
+void expect_order_three_of_spheres(Method method, double bar, double finer) {
   const auto sphere = unit_sphere();
-  for (const Kind kind : kKinds) expect_order(&linear_volume_fractions, *sphere, 4 * kPi / 3, kind, 12, 1e-4, 3);
-  expect_order(&linear_volume_fractions, *sphere, 4 * kPi / 3, Kind::hexahedra, 24, 2e-5, 3);
+  for (const Kind kind : kKinds) expect_order(method, *sphere, 4 * kPi / 3, kind, 12, bar, 3);
+  expect_order(method, *sphere, 4 * kPi / 3, Kind::hexahedra, 24, finer, 3);
 }
 
-TEST(LinearFractions, EllipsoidAndTorusConvergeWithOrderThree) {
+void expect_order_three_of_ellipsoid_and_torus(Method method) {
   const auto ellipsoid = unit_ellipsoid(), torus = unit_torus();
   const double volume = 4 * kPi / 3 * 1.5625 * 1.4 * 1.25;
-  for (const Kind kind : {Kind::hexahedra, Kind::tetrahedra, Kind::polyhedra})
-    expect_order(&linear_volume_fractions, *ellipsoid, volume, kind, 9, 2e-5, 3);
-  expect_order(&linear_volume_fractions, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 8, 1e-5, 3);
+  for (const Kind kind : {Kind::hexahedra, Kind::tetrahedra, Kind::polyhedra}) expect_order(method, *ellipsoid, volume, kind, 9, 2e-5, 3);
+  expect_order(method, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 8, 1e-5, 3);
 }
 
-TEST(CurvedFractions, SphereConvergesWithOrderThreeOnEveryMesh) {
-  const auto sphere = unit_sphere();
-  for (const Kind kind : kKinds) expect_order(&curved_volume_fractions, *sphere, 4 * kPi / 3, kind, 12, 2e-4, 3);
-  expect_order(&curved_volume_fractions, *sphere, 4 * kPi / 3, Kind::hexahedra, 24, 5e-5, 3);
-}
-
-TEST(CurvedFractions, EllipsoidAndTorusConvergeWithOrderThree) {
-  const auto ellipsoid = unit_ellipsoid(), torus = unit_torus();
-  const double volume = 4 * kPi / 3 * 1.5625 * 1.4 * 1.25;
-  for (const Kind kind : {Kind::hexahedra, Kind::tetrahedra, Kind::polyhedra})
-    expect_order(&curved_volume_fractions, *ellipsoid, volume, kind, 9, 2e-5, 3);
-  expect_order(&curved_volume_fractions, *torus, 2 * kPi * kPi * 2.5, Kind::hexahedra, 8, 1e-5, 3);
-}
+TEST(LinearFractions, SphereConvergesWithOrderThreeOnEveryMesh) { expect_order_three_of_spheres(&linear_volume_fractions, 1e-4, 2e-5); }
+TEST(LinearFractions, EllipsoidAndTorusConvergeWithOrderThree) { expect_order_three_of_ellipsoid_and_torus(&linear_volume_fractions); }
+TEST(CurvedFractions, SphereConvergesWithOrderThreeOnEveryMesh) { expect_order_three_of_spheres(&curved_volume_fractions, 2e-4, 5e-5); }
+TEST(CurvedFractions, EllipsoidAndTorusConvergeWithOrderThree) { expect_order_three_of_ellipsoid_and_torus(&curved_volume_fractions); }
 
 }  // namespace
 }  // namespace burnish
