@@ -1,10 +1,12 @@
 // What sharpening has moved goes back, place by place, until the surface does not meet itself. [T-SHARP-9]
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <numeric>
 #include <unordered_set>
 #include <utility>
 
+#include "../surface/box_tree.h"
+#include "burnish/core/parallel.h"
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/shells.h"
 #include "sharpening_state.h"
@@ -28,10 +30,7 @@ void make_unique(Indices& indices) {
 
 class Settler {
  public:
-  explicit Settler(detail::SharpeningState& state) : mesh_(state.mesh), points_(state.points), steps_(state.steps_back), before_(state.before), edits_(state.edits) {
-    for (const Facet& f : mesh_.facets)
-      for (std::size_t i = 0; i < 3; ++i) bucket_ = std::max(bucket_, norm(mesh_.start[f[(i + 1) % 3]] - mesh_.start[f[i]]));
-  }
+  explicit Settler(detail::SharpeningState& state) : mesh_(state.mesh), points_(state.points), steps_(state.steps_back), before_(state.before), edits_(state.edits) {}
 
   Indices run(Progress& progress) { return run(suspects(), progress); }
 
@@ -77,10 +76,8 @@ class Settler {
   }
 
   Indices misnested() const {
-    TriangleSoup soup{points_, {}, {}};
     const Indices alive = alive_facets();
-    for (const std::uint32_t f : alive) soup.facets.push_back(mesh_.facets[f]);
-    const Shells shells = find_shells(soup);
+    const Shells shells = find_shells(soup_of(alive));
     Indices found;
     for (std::size_t i = 0; i < alive.size(); ++i)
       if (is_misnested(shells.shells[shells.of_facet[i]])) found.push_back(alive[i]);
@@ -112,12 +109,24 @@ class Settler {
     return facets;
   }
 
+  // Those whose boxes meet that of one of these, themselves among them.
   Indices facets_near(const Indices& facets) const {
-    std::unordered_set<std::int64_t> touched;
-    for (const std::uint32_t f : facets) any_bucket(f, [&](std::int64_t bucket) { return touched.insert(bucket), false; });
-    Indices near;
-    for (const std::uint32_t f : alive_facets())
-      if (any_bucket(f, [&](std::int64_t bucket) { return touched.contains(bucket); })) near.push_back(f);
+    if (facets.empty()) return {};
+    const TriangleSoup soup = soup_of(facets);
+    Indices all(facets.size());
+    std::iota(all.begin(), all.end(), 0u);
+    const BoxTree tree(soup, std::move(all));
+    Indices near = alive_facets();
+    std::vector<char> meets(near.size(), 0);
+    parallel_for(near.size(), [&](std::size_t i) {
+      Box3 box;
+      for (const std::uint32_t p : mesh_.facets[near[i]]) box.extend(points_[p]);
+      tree.facets_meeting(box, [&](std::uint32_t) { meets[i] = 1; });
+    });
+    std::size_t kept = 0;
+    for (std::size_t i = 0; i < near.size(); ++i)
+      if (meets[i]) near[kept++] = near[i];
+    near.resize(kept);
     return near;
   }
 
@@ -133,24 +142,15 @@ class Settler {
     return facets_near(facets);
   }
 
-  // Visits the buckets of the lattice that a facet's box touches, until one is what is looked for.
-  template <class Visit>
-  bool any_bucket(std::uint32_t f, Visit&& visit) const {
-    const Vec3 &a = points_[mesh_.facets[f][0]], &b = points_[mesh_.facets[f][1]], &c = points_[mesh_.facets[f][2]];
-    const auto bucket = [this](double x) { return static_cast<std::int64_t>(std::floor(x / bucket_)); };
-    const auto first = [&](double Vec3::*x) { return bucket(std::min({a.*x, b.*x, c.*x})); };
-    const auto last = [&](double Vec3::*x) { return bucket(std::max({a.*x, b.*x, c.*x})); };
-    for (std::int64_t i = first(&Vec3::x); i <= last(&Vec3::x); ++i)
-      for (std::int64_t j = first(&Vec3::y); j <= last(&Vec3::y); ++j)
-        for (std::int64_t k = first(&Vec3::z); k <= last(&Vec3::z); ++k)
-          if (visit((i & 0x1fffff) << 42 | (j & 0x1fffff) << 21 | (k & 0x1fffff))) return true;
-    return false;
+  TriangleSoup soup_of(const Indices& facets) const {
+    TriangleSoup soup{points_, {}, {}};
+    soup.facets.reserve(facets.size());
+    for (const std::uint32_t f : facets) soup.facets.push_back(mesh_.facets[f]);
+    return soup;
   }
 
   Pairs intersecting(const Indices& facets, Progress& progress) const {
-    TriangleSoup part{points_, {}, {}};
-    for (const std::uint32_t f : facets) part.facets.push_back(mesh_.facets[f]);
-    Pairs found = self_intersecting_pairs(part, progress);
+    Pairs found = self_intersecting_pairs(soup_of(facets), progress);
     for (auto& [f, g] : found) f = facets[f], g = facets[g];
     return found;
   }
@@ -244,7 +244,6 @@ class Settler {
   std::vector<std::uint8_t>& steps_;
   const std::vector<Facet>& before_;
   UnionFind& edits_;
-  double bucket_ = 2;  // cells; no facet is longer
 };
 
 }  // namespace
