@@ -4,6 +4,8 @@
 #include <array>
 #include <cstdint>
 
+#include "../levelset/transition_tetrahedra.h"
+
 namespace burnish::detail {
 
 // A node's side of the surface. A moved node lies on it.
@@ -30,12 +32,12 @@ struct KuhnTetrahedron {
   std::array<int, 4> path;     // 0 = path[0] < ... < path[3] = 7
 };
 inline constexpr std::array<KuhnTetrahedron, 6> kKuhn{{
-    {{0, 1, 3, 7}, {0, 1, 3, 7}},
-    {{0, 5, 1, 7}, {0, 1, 5, 7}},
-    {{0, 3, 2, 7}, {0, 2, 3, 7}},
-    {{0, 2, 6, 7}, {0, 2, 6, 7}},
-    {{0, 4, 5, 7}, {0, 4, 5, 7}},
-    {{0, 6, 4, 7}, {0, 4, 6, 7}},
+    {{0, 1, 3, 7}, kKuhnPaths[0]},
+    {{0, 5, 1, 7}, kKuhnPaths[1]},
+    {{0, 3, 2, 7}, kKuhnPaths[2]},
+    {{0, 2, 6, 7}, kKuhnPaths[3]},
+    {{0, 4, 5, 7}, kKuhnPaths[4]},
+    {{0, 6, 4, 7}, kKuhnPaths[5]},
 }};
 
 constexpr Step negative(Step s) { return {-s.x, -s.y, -s.z}; }
