@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "field_nodes.h"
+#include "tricubic_sampler.h"
 
 namespace burnish {
 namespace {
@@ -24,11 +25,6 @@ TriangleSoup with_role(const TriangleSoup& facets, const std::vector<FacetRole>&
   return chosen;
 }
 
-// Weights of the cubic polynomial through nodes -1, 0, 1, 2 at t. [T-EXPORT-2]
-std::array<double, 4> cubic_weights(double t) {
-  return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
-}
-
 }  // namespace
 
 // The nodes of the cell that holds a point, or where one hangs the node below it.
@@ -37,53 +33,6 @@ struct FieldSamples::Corners {
   std::array<double, 8> phi;
   std::array<std::uint32_t, 8> facet;  // the nearest, or kNoFacet
   std::size_t count = 0;
-};
-
-// The interpolant in one leaf after the other: the leaf's nodes with their surroundings are kept.
-class FieldSamples::Cubic {
- public:
-  explicit Cubic(const LevelSet& set) : set_(set) {}
-
-  double operator()(const Vec3& p) {
-    const StoredNode node = node_at_or_below(set_.octree(), {static_cast<std::int32_t>(p.x), static_cast<std::int32_t>(p.y), static_cast<std::int32_t>(p.z)},
-                                             leaf_ == Octree::kNone ? 0 : leaf_);
-    if (node.leaf != leaf_) enter(node.leaf);
-    std::array<int, 3> first{};
-    std::array<std::array<double, 4>, 3> weights{};
-    for (int a = 0; a < 3; ++a) {
-      const double x = (p[a] - corner_[a]) / cell_;
-      first[static_cast<std::size_t>(a)] = std::clamp(static_cast<int>(x), 0, kBlockSide - 1);
-      weights[static_cast<std::size_t>(a)] = cubic_weights(x - first[static_cast<std::size_t>(a)]);
-    }
-    double sum = 0;
-    for (std::size_t k = 0; k < 4; ++k)
-      for (std::size_t j = 0; j < 4; ++j) {
-        const float* row = values_.data() + place(first[0], first[1] + static_cast<int>(j), first[2] + static_cast<int>(k));
-        double line = 0;
-        for (std::size_t i = 0; i < 4; ++i) line += weights[0][i] * static_cast<double>(row[i]);
-        sum += weights[1][j] * weights[2][k] * line;
-      }
-    return sum;
-  }
-
- private:
-  static constexpr int kWidth = 2, kSide = kBlockSide + 2 * kWidth;
-
-  // Of the first node of a stencil, which is one below the cell's.
-  static std::size_t place(int i, int j, int k) { return static_cast<std::size_t>(i + kWidth - 1 + kSide * (j + kWidth - 1 + kSide * (k + kWidth - 1))); }
-
-  void enter(std::uint32_t leaf) {
-    leaf_ = leaf;
-    gather_smooth(set_.octree(), set_.phi, leaf, kWidth, HaloOrder::cubic, values_.data());
-    corner_ = position(lattice_node(set_.octree(), leaf, 0, 0, 0));
-    cell_ = 1 << set_.octree().level(leaf);
-  }
-
-  const LevelSet& set_;
-  std::uint32_t leaf_ = Octree::kNone;
-  Vec3 corner_;
-  double cell_ = 1;
-  std::array<float, std::size_t{kSide} * kSide * kSide> values_{};
 };
 
 FieldSamples::FieldSamples(const LevelSet& set, const TriangleSoup& facets, const std::vector<FacetRole>& roles, const Field<std::uint32_t>& nearest, double reach)
@@ -155,13 +104,13 @@ double FieldSamples::beyond_walls(const Vec3& p) const {
   return -norm(p - (wall - g * (at_wall / size)));
 }
 
-double FieldSamples::interpolated(const Vec3& p, Cubic& cubic) const {
+double FieldSamples::interpolated(const Vec3& p, TricubicSampler& cubic) const {
   if (is_within(p)) return cubic(p);
   return beyond_walls(p);
 }
 
 void FieldSamples::at(std::span<const Vec3> points, double* phi) const {
-  Cubic cubic(set_);
+  TricubicSampler cubic(set_);
   std::uint32_t leaf = Octree::kNone;
   constexpr double kFar = 1e30;
   Vec3 foot{kFar, kFar, kFar};

@@ -12,6 +12,8 @@
 
 namespace burnish {
 
+class TricubicSampler;
+
 // Where phi is the distance to facets, so are samples: exact but for rounding up to `reach`, beyond it up to 1 % too large. Signs are those of the
 // nodes: a node whose ball without facets holds the point, or that the point's ball holds, says which; the rest is said by winding numbers. [T-EXPORT-1]
 //
@@ -31,14 +33,13 @@ class FieldSamples {
 
  private:
   struct Corners;
-  class Cubic;
 
   bool is_within(const Vec3& p) const;
   double signed_distance(const Vec3& p, std::uint32_t& leaf, Vec3& foot) const;
   Corners corners_of(const Vec3& p, std::uint32_t& leaf) const;
   double distance(const Vec3& p, const Corners& corners, Vec3& foot) const;
   bool is_inside(const Vec3& p, const Corners& corners, double d) const;
-  double interpolated(const Vec3& p, Cubic& cubic) const;
+  double interpolated(const Vec3& p, TricubicSampler& cubic) const;
   double beyond_walls(const Vec3& p) const;
 
   const LevelSet& set_;

@@ -1,16 +1,15 @@
 #include "solid_field.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <optional>
 #include <utility>
 #include <vector>
 
 #include "burnish/levelset/curvature.h"
 #include "burnish/levelset/from_triangles.h"
 #include "resolve_options.h"
+#include "tricubic_sampler.h"
 
 namespace burnish {
 namespace {
@@ -24,38 +23,6 @@ bool is_within(const GridFrame& frame, const Vec3& q) {
   return q.x >= 0 && q.y >= 0 && q.z >= 0 && q.x <= side && q.y <= side && q.z <= side;
 }
 
-// Weights of the cubic Lagrange polynomial through nodes -1, 0, 1, 2 at t. [T-REDIST-2]
-std::array<double, 4> cubic_weights(double t) {
-  return {-t * (t - 1) * (t - 2) / 6, (t + 1) * (t - 1) * (t - 2) / 2, -(t + 1) * t * (t - 2) / 2, (t + 1) * t * (t - 1) / 6};
-}
-
-// One leaf's values with what cubic polynomials in its cells need of its neighbours.
-class LeafCubic {
- public:
-  static constexpr int kHalo = 2, kSide = kBlockSide + 2 * kHalo;
-
-  LeafCubic(const LevelSet& set, std::uint32_t leaf) : corner_(lattice_node(set.octree(), leaf, 0, 0, 0)) { gather(set.octree(), set.phi, leaf, kHalo, values_.data()); }
-
-  // At lattice coordinates within the leaf.
-  double operator()(const Vec3& q) const {
-    const double x = q.x - corner_.x, y = q.y - corner_.y, z = q.z - corner_.z;
-    const int i = cell_of(x), j = cell_of(y), k = cell_of(z);
-    const std::array<double, 4> wx = cubic_weights(x - i), wy = cubic_weights(y - j), wz = cubic_weights(z - k);
-    double sum = 0;
-    for (int c = 0; c < 4; ++c)
-      for (int b = 0; b < 4; ++b) {
-        const float* row = values_.data() + (i + kHalo - 1) + kSide * ((j + kHalo - 1 + b) + kSide * (k + kHalo - 1 + c));
-        sum += wz[static_cast<std::size_t>(c)] * wy[static_cast<std::size_t>(b)] * (wx[0] * row[0] + wx[1] * row[1] + wx[2] * row[2] + wx[3] * row[3]);
-      }
-    return sum;
-  }
-
- private:
-  static int cell_of(double x) { return std::clamp(static_cast<int>(std::floor(x)), 0, kBlockSide - 1); }
-  LatticeNode corner_;
-  std::array<float, kSide * kSide * kSide> values_;
-};
-
 // Points go leaf by leaf: their values are gathered once for all of them.
 void distances(const LevelSet& set, std::span<const Vec3> points, double* phi) {
   const Octree& tree = set.octree();
@@ -68,14 +35,12 @@ void distances(const LevelSet& set, std::span<const Vec3> points, double* phi) {
     by_leaf.emplace_back(tree.find({block(q.x), block(q.y), block(q.z)}), i);
   }
   std::sort(by_leaf.begin(), by_leaf.end());
-  std::optional<LeafCubic> cubic;
-  for (std::size_t n = 0; n < by_leaf.size(); ++n) {
-    const auto [leaf, i] = by_leaf[n];
+  TricubicSampler cubic(set);
+  for (const auto& [leaf, i] : by_leaf) {
     const Vec3 q = set.frame.to_lattice(points[i]);
     // Farther away the field is uniform, or signs will do.
     const bool near = tree.level(leaf) == 0 && set.grid.near_surface(leaf);
-    if (near && (n == 0 || by_leaf[n - 1].first != leaf)) cubic.emplace(set, leaf);
-    phi[i] = set.frame.cell * (near ? (*cubic)(q) : sample(tree, set.phi, q.x, q.y, q.z));
+    phi[i] = set.frame.cell * (near ? cubic(q) : sample(tree, set.phi, q.x, q.y, q.z));
   }
 }
 
