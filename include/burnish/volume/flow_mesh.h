@@ -1,0 +1,59 @@
+// A hexahedra-dominant volume mesh on one side of a closed surface.
+//
+// Cells of an octree, graded 2:1. Where the surface passes, cells become body-centred cubic tetrahedra that are warped and cut to it (isosurface
+// stuffing, Labelle & Shewchuk 2007); what is cut off a tetrahedron leaves a tetrahedron or a wedge with plane faces. All others stay hexahedra; pyramids and
+// tetrahedra stand between them and finer ones. [T-HEX-1]
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "burnish/core/progress.h"
+#include "burnish/octree/grid_frame.h"
+#include "burnish/surface/triangle_soup.h"
+#include "burnish/volume/volume_mesh.h"
+
+namespace burnish {
+
+enum class MeshSide : std::uint8_t { inside, outside };
+
+enum class MeshFlavour : std::uint8_t {
+  conforming,  // hexahedra, pyramids, tetrahedra, wedges: whatever reads meshes reads it
+  polyhedral,  // hexahedra beside finer ones keep their place, with split faces: fewer cells, for OpenFOAM and VTK
+};
+
+struct MeshRefinement {
+  Box3 box;
+  double cell = 0;  // the longest side of cells that meet the box
+};
+
+struct FlowMeshOptions {
+  double cell = 0;           // side of the cells at the surface, in the surface's units
+  MeshSide side = MeshSide::inside;
+  Box3 domain;               // outside: the flow domain, rounded outwards to whole coarse cells
+  MeshFlavour flavour = MeshFlavour::conforming;
+  int coarsest_level = 4;    // cells are at most 2^coarsest_level times as large as `cell`
+  int cells_between_levels = 2;  // at least 1: rows of cells of one size before the next larger one
+  std::vector<MeshRefinement> refinements;
+  double crease_angle = 40;  // degrees: edges of the surface that are to be edges of the mesh; 180: none
+  std::uint64_t memory_bytes = ~std::uint64_t{0};
+};
+
+// What the mesh is, next to its quality (volume/mesh_quality.h).
+struct FlowMesh {
+  VolumeMesh mesh;
+  GridFrame frame;                       // its lattice: cells of the finest level have side 2
+  std::vector<std::uint64_t> cells_of_level;
+  std::uint64_t moved_back = 0;          // boundary points that quality kept from their place on the surface
+  std::vector<std::string> notes;        // what a user should know
+};
+
+// `surface`: closed, oriented outwards, without intersections, in model units. `patch_of_facet`: index into `patch_names` for each of its facets (empty: one
+// patch, patch_names[0] or "surface"). Patches of the mesh: those names (type wall), which no face need have; outside also xMin, xMax, yMin, yMax, zMin, zMax (type patch).
+// Same bits for any number of threads. Throws Error: memory_limit, guarantee_unmet where nothing of the side holds a cell, interrupted.
+FlowMesh flow_mesh(const TriangleSoup& surface, const std::vector<std::uint32_t>& patch_of_facet, const std::vector<std::string>& patch_names, const FlowMeshOptions& options,
+                   Progress& progress = no_progress());
+
+}  // namespace burnish
