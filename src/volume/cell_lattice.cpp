@@ -1,0 +1,238 @@
+#include "cell_lattice.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+
+namespace burnish {
+namespace {
+
+using Cells = std::vector<std::uint64_t>;  // interleaved positions in units of some level
+
+constexpr double kReach = 0.5;  // lattice units beyond the ball about a cell, within which it is one of the surface's
+constexpr std::uint64_t kMostCells = std::uint64_t{1} << 31;
+
+constexpr int kPackedBits = 21;
+std::uint64_t packed(std::int64_t x, std::int64_t y, std::int64_t z) {
+  return static_cast<std::uint64_t>(x) | static_cast<std::uint64_t>(y) << kPackedBits | static_cast<std::uint64_t>(z) << 2 * kPackedBits;
+}
+std::array<std::int64_t, 3> unpacked(std::uint64_t key) {
+  constexpr std::uint64_t kMask = (std::uint64_t{1} << kPackedBits) - 1;
+  return {static_cast<std::int64_t>(key & kMask), static_cast<std::int64_t>(key >> kPackedBits & kMask), static_cast<std::int64_t>(key >> 2 * kPackedBits)};
+}
+
+void sort_unique(Cells& cells) {
+  parallel_sort(cells);
+  cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+}
+
+// Cells of level 0 that the surface may pass.
+Cells surface_cells(const LevelSet& set) {
+  constexpr int kHalf = kBlockSide / 2;
+  Cells found;
+  for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
+    if (set.octree().level(leaf) != 0 || !set.grid.near_surface(leaf)) continue;
+    const float* phi = set.phi.block(leaf);
+    const morton::Position block = set.octree().corner(leaf);
+    for (int k = 0; k < kHalf; ++k)
+      for (int j = 0; j < kHalf; ++j)
+        for (int i = 0; i < kHalf; ++i) {
+          if (std::abs(phi[node_index(2 * i + 1, 2 * j + 1, 2 * k + 1)]) > std::numbers::sqrt3 + kReach) continue;
+          const auto at = [&](std::uint32_t c, int n) { return c * kHalf + static_cast<std::uint32_t>(n); };
+          found.push_back(morton::interleave({at(block.x, i), at(block.y, j), at(block.z, k)}));
+        }
+  }
+  return found;
+}
+
+// Appends the octants of the next level that hold a cell within `rows` of one of these.
+void append_parents(const Cells& cells, int rows, std::uint32_t side, Cells& parents) {
+  for (const std::uint64_t cell : cells) {
+    const morton::Position p = morton::deinterleave(cell);
+    const auto lower = [&](std::uint32_t x) { return (x > static_cast<std::uint32_t>(rows) ? x - static_cast<std::uint32_t>(rows) : 0u) / 2; };
+    const auto upper = [&](std::uint32_t x) { return std::min(x + static_cast<std::uint32_t>(rows), side - 1) / 2; };
+    for (std::uint32_t z = lower(p.z); z <= upper(p.z); ++z)
+      for (std::uint32_t y = lower(p.y); y <= upper(p.y); ++y)
+        for (std::uint32_t x = lower(p.x); x <= upper(p.x); ++x) parents.push_back(morton::interleave({x, y, z}));
+  }
+}
+
+// Appends the octants of a level that meet a box, which is in finest cells.
+void append_box(const LatticeBox& box, int level, std::uint32_t side, Cells& octants) {
+  const auto first = [&](int a) { return static_cast<std::uint32_t>(std::clamp<std::int64_t>(box.lower[static_cast<std::size_t>(a)] >> level, 0, side - 1)); };
+  const auto last = [&](int a) { return static_cast<std::uint32_t>(std::clamp<std::int64_t>((box.upper[static_cast<std::size_t>(a)] - 1) >> level, 0, side - 1)); };
+  for (std::uint32_t z = first(2); z <= last(2); ++z)
+    for (std::uint32_t y = first(1); y <= last(1); ++y)
+      for (std::uint32_t x = first(0); x <= last(0); ++x) octants.push_back(morton::interleave({x, y, z}));
+}
+
+// A box of the model in finest cells of the mesh.
+LatticeBox in_cells(const GridFrame& frame, const Box3& box) {
+  const Vec3 lower = frame.to_lattice(box.lower) / 2, upper = frame.to_lattice(box.upper) / 2;
+  LatticeBox cells;
+  for (int a = 0; a < 3; ++a) {
+    cells.lower[static_cast<std::size_t>(a)] = static_cast<std::int64_t>(std::floor(lower[a]));
+    cells.upper[static_cast<std::size_t>(a)] = static_cast<std::int64_t>(std::ceil(upper[a]));
+  }
+  return cells;
+}
+
+struct Edge12 {
+  int corner, axis;  // the lower end
+};
+
+// Edge e: along axis e / 4, from the corner with the other two bits e % 4.
+constexpr Edge12 edge_of(int e) {
+  const int axis = e / 4, low = e % 2, high = e / 2 % 2;
+  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+  return {low << first | high << second, axis};
+}
+constexpr int edge_between(int a, int b) {
+  const int axis = (a ^ b) == 1 ? 0 : (a ^ b) == 2 ? 1 : 2, corner = a & b;
+  const int first = axis == 0 ? 1 : 0, second = axis == 2 ? 1 : 2;
+  return axis * 4 + (corner >> first & 1) + 2 * (corner >> second & 1);
+}
+
+// The direction from a cell across a face.
+constexpr int face_direction(int face) {
+  const int step = face % 2 == 0 ? -1 : 1, axis = face / 2;
+  return direction(axis == 0 ? step : 0, axis == 1 ? step : 0, axis == 2 ? step : 0);
+}
+
+}  // namespace
+
+CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region, Progress& progress) {
+  choose_cells(set, options, region);
+  progress.check();
+  mark_existing(region);
+  mark_splits();
+  progress.check();
+  number_nodes();
+}
+
+// [T-HEX-2]
+void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region) {
+  const int depth = set.frame.depth + 2;
+  if (depth > morton::kMaxDepth) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^20 cells along a side", "choose a larger --cell");
+  Cells keys, below = surface_cells(set);
+  for (int level = 1; level <= depth; ++level) {
+    Cells divided;
+    append_parents(below, options.cells_between_levels, 1u << (depth - level + 1), divided);
+    for (const MeshRefinement& r : options.refinements) {
+      const int wanted = std::max(0, static_cast<int>(std::floor(std::log2(r.cell / options.cell) + 1e-9)));
+      if (wanted + 1 == level) append_box(in_cells(set.frame, r.box), level, 1u << (depth - level), divided);
+    }
+    if (level == options.coarsest_level + 1) append_box(region, level, 1u << (depth - level), divided);
+    sort_unique(divided);
+    for (const std::uint64_t octant : divided) keys.push_back(morton::key(octant << 3, level - 1));
+    if (keys.size() * 8 > kMostCells) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^31 cells", "choose a larger --cell");
+    below = std::move(divided);
+  }
+  tree_ = Octree::build_graded(depth, std::move(keys));
+}
+
+void CellLattice::mark_existing(const LatticeBox& region) {
+  exists_.resize(tree_.size());
+  parallel_for(tree_.size(), [&](std::size_t cell) {
+    const morton::Position p = tree_.corner(cell);
+    const std::array<std::int64_t, 3> at{p.x, p.y, p.z};
+    bool within = true;
+    for (std::size_t a = 0; a < 3; ++a) within = within && at[a] >= region.lower[a] && at[a] < region.upper[a];
+    exists_[cell] = within;
+  });
+}
+
+void CellLattice::number_nodes() {
+  using Named = std::pair<std::uint64_t, std::uint64_t>;  // key, place
+  std::vector<Named> named(tree_.size() * 8);
+  parallel_for(tree_.size(), [&](std::size_t cell) {
+    const morton::Position p = tree_.corner(cell);
+    const std::int64_t side = std::int64_t{1} << tree_.level(cell);
+    for (std::size_t c = 0; c < 8; ++c)
+      named[cell * 8 + c] = {packed(p.x + (c & 1 ? side : 0), p.y + (c & 2 ? side : 0), p.z + (c & 4 ? side : 0)), cell * 8 + c};
+  });
+  parallel_sort(named);
+  corners_.resize(named.size());
+  for (const Named& n : named) {
+    if (keys_.empty() || keys_.back() != n.first) keys_.push_back(n.first);
+    corners_[n.second] = static_cast<std::uint32_t>(keys_.size() - 1);
+  }
+  if (keys_.size() + tree_.size() >= kNoNode) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^32 nodes", "choose a larger --cell");
+}
+
+void CellLattice::mark_splits() {
+  split_edges_.assign(tree_.size(), 0);
+  split_faces_.assign(tree_.size(), 0);
+  const auto finer = [&](std::size_t cell, int dx, int dy, int dz) {
+    const int d = direction(dx, dy, dz);
+    return tree_.neighbor_kind(cell, d) == NeighborKind::finer && exists(tree_.neighbors(cell, d).front());
+  };
+  parallel_for(tree_.size(), [&](std::size_t cell) {
+    if (tree_.level(cell) == 0 || !exists(cell)) return;
+    for (int e = 0; e < 12; ++e) {
+      const Edge12 edge = edge_of(e);
+      std::array<int, 3> out{};
+      for (int a = 0; a < 3; ++a) out[static_cast<std::size_t>(a)] = a == edge.axis ? 0 : (edge.corner >> a & 1) ? 1 : -1;
+      const int first = edge.axis == 0 ? 1 : 0;
+      std::array<int, 3> one{}, other = out;
+      one[static_cast<std::size_t>(first)] = out[static_cast<std::size_t>(first)], other[static_cast<std::size_t>(first)] = 0;
+      if (finer(cell, out[0], out[1], out[2]) || finer(cell, one[0], one[1], one[2]) || finer(cell, other[0], other[1], other[2]))
+        split_edges_[cell] = static_cast<std::uint16_t>(split_edges_[cell] | 1u << e);
+    }
+    for (int f = 0; f < 6; ++f) {
+      const std::array<int, 3> d = offset_of(face_direction(f));
+      if (finer(cell, d[0], d[1], d[2])) split_faces_[cell] = static_cast<std::uint8_t>(split_faces_[cell] | 1u << f);
+    }
+  });
+}
+
+std::uint32_t CellLattice::find(std::uint64_t key) const {
+  return static_cast<std::uint32_t>(std::lower_bound(keys_.begin(), keys_.end(), key) - keys_.begin());
+}
+
+std::array<std::int64_t, 3> CellLattice::position(std::uint32_t node) const {
+  if (!is_centre(node)) {
+    const std::array<std::int64_t, 3> p = unpacked(keys_[node]);
+    return {2 * p[0], 2 * p[1], 2 * p[2]};
+  }
+  const std::size_t cell = node - keys_.size();
+  const morton::Position p = tree_.corner(cell);
+  const std::int64_t half = std::int64_t{1} << tree_.level(cell);
+  return {2 * std::int64_t{p.x} + half, 2 * std::int64_t{p.y} + half, 2 * std::int64_t{p.z} + half};
+}
+
+FacePolygon CellLattice::polygon(std::size_t cell, int face) const {
+  FacePolygon result;
+  const std::array<int, 4>& corners = kFaceCorners[static_cast<std::size_t>(face)];
+  for (std::size_t i = 0; i < 4; ++i) {
+    const int a = corners[i], b = corners[(i + 1) % 4];
+    result.node[static_cast<std::size_t>(result.size++)] = corner(cell, a);
+    if (!(split_edges_[cell] >> edge_between(a, b) & 1)) continue;
+    const std::array<std::int64_t, 3> p = unpacked(keys_[corner(cell, a)]), q = unpacked(keys_[corner(cell, b)]);
+    result.node[static_cast<std::size_t>(result.size++)] = find(packed((p[0] + q[0]) / 2, (p[1] + q[1]) / 2, (p[2] + q[2]) / 2));
+  }
+  return result;
+}
+
+std::uint32_t CellLattice::across(std::size_t cell, int face) const {
+  const int d = face_direction(face);
+  const NeighborKind kind = tree_.neighbor_kind(cell, d);
+  if (kind != NeighborKind::same && kind != NeighborKind::coarser) return Octree::kNone;
+  const std::uint32_t other = tree_.neighbor(cell, d);
+  return exists(other) ? other : Octree::kNone;
+}
+
+std::span<const std::uint32_t> CellLattice::finer_across(std::size_t cell, int face) const { return tree_.neighbors(cell, face_direction(face)); }
+
+bool CellLattice::owns(std::size_t cell, int face) const {
+  if (is_split(cell, face)) return false;
+  const std::uint32_t other = across(cell, face);
+  return other == Octree::kNone || tree_.level(other) > tree_.level(cell) || face % 2 == 1;
+}
+
+}  // namespace burnish

@@ -1,0 +1,196 @@
+#include "burnish/volume/flow_mesh.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <memory>
+#include <utility>
+
+#include "assemble.h"
+#include "burnish/core/error.h"
+#include "burnish/core/parallel.h"
+#include "burnish/extract/reference_surface.h"
+#include "burnish/levelset/from_triangles.h"
+#include "cell_lattice.h"
+#include "stuffing.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kBand = 5;          // lattice units: the half diagonal of a cell, and what may move
+constexpr double kDomainMargin = 4;  // between the band and the walls
+constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
+constexpr std::array<const char*, 6> kSides{"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
+
+class FlowMesher {
+ public:
+  FlowMesher(const TriangleSoup& surface, const std::vector<std::uint32_t>& patch_of_facet, const std::vector<std::string>& patch_names, const FlowMeshOptions& options, Progress& progress)
+      : surface_(surface), patch_of_facet_(patch_of_facet), patch_names_(patch_names), options_(options), progress_(progress) {}
+
+  FlowMesh run() {
+    choose_frame();
+    progress_.begin_stage("distances and signs");
+    const LevelSet set = level_set_from_triangles(surface_, result_.frame, {.band = kBand, .far_field = false}, progress_).level_set;
+    progress_.begin_stage("cells");
+    const CellLattice lattice(set, options_, region_, progress_);
+    count_levels(lattice);
+    stuffed_ = stuff(lattice, set, options_.side == MeshSide::inside ? 1 : -1, options_.flavour, progress_);
+    result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
+    leave_out_crumbs();
+    progress_.begin_stage("boundary");
+    fit();
+    name_patches();
+    to_model();
+    return std::move(result_);
+  }
+
+ private:
+  bool outside() const { return options_.side == MeshSide::outside; }
+
+  // Mesh cells are two lattice units wide. The domain's sides are moved to where they belong at the end.
+  void choose_frame() {
+    const double h = options_.cell / 2;
+    Box3 box = bounding_box(surface_);
+    if (outside()) box.extend(options_.domain);
+    const double coarse = static_cast<double>(2 << options_.coarsest_level);
+    result_.frame = make_frame(box, h, outside() ? coarse + kBand + kDomainMargin : kBand + kDomainMargin);
+    const std::int64_t step = std::int64_t{1} << options_.coarsest_level;
+    const Box3& wanted = outside() ? options_.domain : box;
+    const Vec3 lower = result_.frame.to_lattice(wanted.lower) / 2, upper = result_.frame.to_lattice(wanted.upper) / 2;
+    for (int a = 0; a < 3; ++a) {
+      auto& from = region_.lower[static_cast<std::size_t>(a)];
+      auto& to = region_.upper[static_cast<std::size_t>(a)];
+      if (outside()) {
+        from = step * static_cast<std::int64_t>(std::lround(lower[a] / static_cast<double>(step)));
+        to = std::max(from + step, step * static_cast<std::int64_t>(std::lround(upper[a] / static_cast<double>(step))));
+      } else {
+        from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(lower[a])) - 2);
+        to = static_cast<std::int64_t>(std::ceil(upper[a])) + 2;
+      }
+    }
+  }
+
+  void count_levels(const CellLattice& lattice) {
+    for (std::size_t c = 0; c < lattice.cells(); ++c) {
+      if (!lattice.exists(c)) continue;
+      const auto level = static_cast<std::size_t>(lattice.tree().level(c));
+      if (result_.cells_of_level.size() <= level) result_.cells_of_level.resize(level + 1, 0);
+      ++result_.cells_of_level[level];
+    }
+  }
+
+  // Parts that hang by an edge or a point alone, and hold next to nothing.
+  void leave_out_crumbs() {
+    std::vector<std::uint32_t> part;
+    const std::uint32_t parts = connected_parts(result_.mesh.mesh, part);
+    if (result_.mesh.cells() == 0) throw Error(ErrorCode::guarantee_unmet, "no cell of the mesh lies on this side of the surface", "choose a smaller --cell");
+    if (parts == 1) return;
+    const CellGeometry geometry = cell_geometry(result_.mesh.mesh, cell_faces(result_.mesh.mesh));
+    std::vector<double> volume(parts, 0);
+    for (std::size_t c = 0; c < part.size(); ++c) volume[part[c]] += geometry.volume[c];
+    std::vector<std::uint8_t> keep(part.size());
+    std::size_t crumbs = 0;
+    double lost = 0;
+    for (const double v : volume)
+      if (v < 8 * kSmallestPart) ++crumbs, lost += v;
+    if (crumbs == 0) return;
+    if (crumbs == parts) throw Error(ErrorCode::guarantee_unmet, "the solid is thinner than a cell everywhere", "choose a smaller --cell");
+    for (std::size_t c = 0; c < part.size(); ++c) keep[c] = volume[part[c]] >= 8 * kSmallestPart;
+    stuffed_.cells = kept_cells(stuffed_.cells, keep);
+    result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
+    const double cube = result_.frame.cell * result_.frame.cell * result_.frame.cell;
+    result_.notes.push_back(fmt::format("{} parts of less than {} cells, {:.3g} in all, hang together with the rest by no face and are left out", crumbs, kSmallestPart, lost * cube));
+  }
+
+  void fit() {
+    const PolyhedralMesh& mesh = result_.mesh.mesh;
+    TriangleSoup lattice_surface = to_lattice(surface_, result_.frame);
+    Creases creases = find_creases(lattice_surface, {.angle = options_.crease_angle});
+    reference_ = std::make_unique<ReferenceSurface>(std::move(lattice_surface), std::move(creases));
+    const std::size_t internal = mesh.internal_faces();
+    std::vector<Vec3> normal(mesh.points.size());
+    on_wall_.assign(mesh.faces() - internal, 0);
+    for (std::size_t f = internal; f < mesh.faces(); ++f) {
+      const auto face = mesh.face(f);
+      if (!std::all_of(face.begin(), face.end(), [&](std::uint32_t p) { return stuffed_.on_surface[source_[p]] != 0; })) continue;
+      on_wall_[f - internal] = 1;
+      Vec3 n;
+      for (std::size_t i = 2; i < face.size(); ++i) n += cross(mesh.points[face[i - 1]] - mesh.points[face[0]], mesh.points[face[i]] - mesh.points[face[0]]);
+      for (const std::uint32_t p : face) normal[p] += n;
+    }
+    const double sign = outside() ? -1 : 1;
+    parallel_for(mesh.points.size(), [&](std::size_t p) {
+      const double length = norm(normal[p]);
+      if (!(length > 0)) return;
+      const ReferenceSurface::Foot foot = reference_->closest(mesh.points[p], 2, normal[p] * (sign / length));
+      if (foot.found()) result_.mesh.mesh.points[p] = foot.point;
+    });
+  }
+
+  void name_patches() {
+    const PolyhedralMesh& mesh = result_.mesh.mesh;
+    const std::size_t internal = mesh.internal_faces();
+    std::vector<MeshPatch> patches;
+    for (const std::string& name : patch_names_) patches.push_back({name, "wall"});
+    if (patches.empty()) patches.push_back({"surface", "wall"});
+    const auto walls = static_cast<std::uint32_t>(patches.size());
+    if (outside())
+      for (const char* side : kSides) patches.push_back({side, "patch"});
+    std::vector<std::uint32_t> patch_of(mesh.faces() - internal, 0);
+    parallel_for(patch_of.size(), [&](std::size_t i) {
+      if (on_wall_[i]) patch_of[i] = patch_of_facet_.empty() ? 0 : patch_of_facet_[nearest_facet(internal + i)];
+      else patch_of[i] = walls + side_of(internal + i);
+    });
+    sort_into_patches(result_.mesh, std::move(patches), patch_of);
+  }
+
+  std::uint32_t nearest_facet(std::size_t face) const {
+    const ReferenceSurface::Foot foot = reference_->closest(face_middle(result_.mesh.mesh, face), 4, {});
+    return foot.found() ? foot.facet : 0;
+  }
+
+  // The side of the domain that a face lies on.
+  std::uint32_t side_of(std::size_t face) const {
+    const Vec3 m = face_middle(result_.mesh.mesh, face);
+    for (int a = 0; a < 3; ++a) {
+      if (m[a] == 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)])) return static_cast<std::uint32_t>(2 * a);
+      if (m[a] == 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)])) return static_cast<std::uint32_t>(2 * a + 1);
+    }
+    throw Error(ErrorCode::bug, "a face of the volume mesh is neither on the surface nor on a side of the domain");
+  }
+
+  void to_model() {
+    auto& points = result_.mesh.mesh.points;
+    parallel_for(points.size(), [&](std::size_t i) {
+      const Vec3 q = points[i];
+      points[i] = result_.frame.to_model(q);
+      if (!outside()) return;
+      for (int a = 0; a < 3; ++a) {
+        if (q[a] == 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)])) points[i][a] = options_.domain.lower[a];
+        if (q[a] == 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)])) points[i][a] = options_.domain.upper[a];
+      }
+    });
+  }
+
+  const TriangleSoup& surface_;
+  const std::vector<std::uint32_t>& patch_of_facet_;
+  const std::vector<std::string>& patch_names_;
+  const FlowMeshOptions& options_;
+  Progress& progress_;
+  LatticeBox region_;
+  StuffedCells stuffed_;
+  std::vector<std::uint32_t> source_;      // of each point of the mesh: its place in stuffed_.points
+  std::vector<std::uint8_t> on_wall_;      // per boundary face: on the surface
+  std::unique_ptr<ReferenceSurface> reference_;
+  FlowMesh result_;
+};
+
+}  // namespace
+
+FlowMesh flow_mesh(const TriangleSoup& surface, const std::vector<std::uint32_t>& patch_of_facet, const std::vector<std::string>& patch_names, const FlowMeshOptions& options, Progress& progress) {
+  return FlowMesher(surface, patch_of_facet, patch_names, options, progress).run();
+}
+
+}  // namespace burnish
