@@ -14,6 +14,9 @@ namespace {
 
 // How near to a node, as a part of an edge, a cut moves the node: Labelle & Shewchuk's, for angles of 10.7 to 164.8 degrees.
 constexpr double kLong = 0.24999, kShort = 0.41189;
+// Of pyramids on squares with moved corners: distance between the diagonals, least area of a corner and least height, in units of the side.
+constexpr double kFlat = 0.12, kSquare = 0.4, kHeight = 0.3;
+constexpr double kCube = 0.4;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
 constexpr std::size_t kCellsAtATime = 4096;
 
 using Tetrahedron = std::array<std::uint32_t, 4>;
@@ -53,35 +56,70 @@ class Stuffing {
     });
   }
 
-  bool is_positive(std::size_t cell) const {
-    for (int c = 0; c < 8; ++c)
-      if (sign_[lattice_.corner(cell, c)] <= 0) return false;
-    return sign_[lattice_.centre(cell)] > 0;
-  }
   bool has_positive(std::size_t cell) const {
     for (int c = 0; c < 8; ++c)
       if (sign_[lattice_.corner(cell, c)] > 0) return true;
     return sign_[lattice_.centre(cell)] > 0;
   }
 
-  // A cell that is whole has no node in its centre, so a neighbour's centre beyond the surface would have no partner to be cut with.
-  bool faces_negative(std::size_t cell) const {
-    for (int f = 0; f < 6; ++f) {
-      if (lattice_.is_split(cell, f)) {
-        for (const std::uint32_t other : lattice_.finer_across(cell, f))
-          if (sign_[lattice_.centre(other)] < 0) return true;
-      } else if (const std::uint32_t other = lattice_.across(cell, f); other != Octree::kNone && sign_[lattice_.centre(other)] < 0) {
-        return true;
-      }
+  // [T-HEX-5] A cell that stays a hexahedron: nothing of it is beyond the surface, what has moved is still nearly a cube, and on all sides stands something that it can share a face with.
+  bool is_whole(std::size_t cell) const {
+    if (sign_[lattice_.centre(cell)] <= 0 || (!polyhedral_ && lattice_.hangs(cell))) return false;
+    bool moved = false;
+    for (int c = 0; c < 8; ++c) {
+      const int s = sign_[lattice_.corner(cell, c)];
+      if (s < 0) return false;
+      moved = moved || s == 0;
     }
-    return false;
+    if (moved && (lattice_.hangs(cell) || !is_nearly_cube(cell))) return false;
+    for (int f = 0; f < 6; ++f)
+      if (!can_share(cell, f)) return false;
+    return true;
+  }
+
+  bool is_nearly_cube(std::size_t cell) const {
+    const auto at = [&](int c) { return result_.points[lattice_.corner(cell, c)]; };
+    const double side = static_cast<double>(2 << lattice_.tree().level(cell));
+    for (int c = 0; c < 8; ++c) {
+      const auto edge = [&](int axis) { return (at(c ^ 1 << axis) - at(c)) * ((c >> axis & 1) ? -1.0 : 1.0); };
+      if (dot(cross(edge(0), edge(1)), edge(2)) < kCube * side * side * side) return false;
+    }
+    for (const auto& face : kFaceCorners)
+      if (norm(at(face[0]) + at(face[2]) - at(face[1]) - at(face[3])) * 0.5 > kFlat * side) return false;
+    return true;
+  }
+
+  // A whole cell has no node in its centre, so a neighbour's centre beyond the surface would have no partner to be cut with: unless nothing is left there to cut.
+  bool can_share(std::size_t cell, int f) const {
+    if (lattice_.is_split(cell, f)) {
+      for (const std::uint32_t other : lattice_.finer_across(cell, f))
+        if (sign_[lattice_.centre(other)] < 0) return false;
+      return true;
+    }
+    const std::uint32_t other = lattice_.across(cell, f);
+    if (other == Octree::kNone) return true;
+    const FacePolygon p = lattice_.polygon(cell, f);
+    const std::uint32_t apex = lattice_.centre(other);
+    if (is_flat_end(p, apex)) return true;
+    return sign_[apex] >= 0 && (is_unmoved(p, apex) || is_good_pyramid(p, apex));
+  }
+  // A face on the surface, with nothing behind it.
+  bool is_flat_end(const FacePolygon& p, std::uint32_t apex) const {
+    for (int i = 0; i < p.size; ++i)
+      if (sign_[p.node[static_cast<std::size_t>(i)]] != 0) return false;
+    return sign_[apex] <= 0;
+  }
+  bool is_unmoved(const FacePolygon& p, std::uint32_t apex) const {
+    for (int i = 0; i < p.size; ++i)
+      if (sign_[p.node[static_cast<std::size_t>(i)]] <= 0) return false;
+    return sign_[apex] > 0;
   }
 
   void classify() {
     kind_.resize(lattice_.cells());
     parallel_for(lattice_.cells(), [&](std::size_t cell) {
       if (!lattice_.exists(cell)) kind_[cell] = CellKind::none;
-      else if (is_positive(cell) && (polyhedral_ || !lattice_.hangs(cell)) && !faces_negative(cell)) kind_[cell] = CellKind::whole;
+      else if (is_whole(cell)) kind_[cell] = CellKind::whole;
       else kind_[cell] = has_positive(cell) ? CellKind::coned : CellKind::none;
     });
   }
@@ -106,9 +144,30 @@ class Stuffing {
   // Two pyramids on a square that nothing has moved.
   bool stands_as_pyramids(std::size_t a, std::size_t b, const FacePolygon& p) const {
     if (!p.is_quad() || sign_[lattice_.centre(a)] < 0 || sign_[lattice_.centre(b)] < 0) return false;
-    for (int i = 0; i < 4; ++i)
-      if (sign_[p.node[static_cast<std::size_t>(i)]] <= 0) return false;
-    return true;
+    bool moved = false;
+    for (int i = 0; i < 4; ++i) {
+      const int s = sign_[p.node[static_cast<std::size_t>(i)]];
+      if (s < 0) return false;
+      moved = moved || s == 0;
+    }
+    return !moved || (is_good_pyramid(p, lattice_.centre(a)) && is_good_pyramid(p, lattice_.centre(b)));
+  }
+
+  // A square with moved corners has to be nearly plane, the apex over it, and no more than one side on the surface.
+  bool is_good_pyramid(const FacePolygon& p, std::uint32_t apex) const {
+    const auto at = [&](int i) { return result_.points[p.node[static_cast<std::size_t>(i % 4)]]; };
+    const auto zero = [&](int i) { return sign_[p.node[static_cast<std::size_t>(i % 4)]] == 0; };
+    const Vec3 top = result_.points[apex], normal = cross(at(2) - at(0), at(3) - at(1)) * 0.5;
+    const double area = norm(normal);
+    if (norm(at(0) + at(2) - at(1) - at(3)) * 0.5 > kFlat * std::sqrt(area)) return false;
+    int sides = 0;
+    for (int i = 0; i < 4; ++i) {
+      sides += sign_[apex] == 0 && zero(i) && zero(i + 1);
+      const Vec3 corner = cross(at(i + 1) - at(i), at(i + 3) - at(i));  // twice the corner's triangle
+      if (dot(corner, normal) < kSquare * area * area) return false;
+      if (std::abs(dot(corner, top - at(i))) < kHeight * area * std::sqrt(area)) return false;
+    }
+    return sides <= 1 && !(zero(0) && zero(1) && zero(2) && zero(3));
   }
 
   bool is_cut(std::uint32_t a, std::uint32_t b) const { return sign_[a] * sign_[b] < 0; }
@@ -213,6 +272,8 @@ class Stuffing {
     const FacePolygon p = lattice_.polygon(cell, f);
     const bool both = kind_[cell] != CellKind::whole && kind_[other] != CellKind::whole;
     if (both && !(needs_tetrahedra(cell, other) && stands_as_pyramids(cell, other, p))) return;
+    const auto is_end = [&](std::uint32_t c) { return is_flat_end(p, lattice_.centre(c)); };
+    if (is_end(static_cast<std::uint32_t>(cell)) || is_end(other)) return;
     if (kind_[cell] != CellKind::whole) emit_pyramid(p, true, lattice_.centre(cell), out);
     if (kind_[other] != CellKind::whole) emit_pyramid(p, false, lattice_.centre(other), out);
   }
