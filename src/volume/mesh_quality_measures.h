@@ -1,0 +1,118 @@
+// What is measured of each face and each cell, and what is too much: one table for the report and for the list of bad cells.
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <limits>
+#include <vector>
+
+#include "burnish/volume/mesh_quality.h"
+#include "foam_geometry.h"
+
+namespace burnish::quality {
+
+// In the order of checkMesh's report: topology, then geometry.
+enum Check : int {
+  faces_of_cell, unused_points, face_order, face_vertices, zip_up,
+  boundary_openness, cell_openness, aspect_ratio, face_area, cell_volume, non_orthogonality, pyramids, internal_skewness, boundary_skewness,
+  tetrahedra, edge_length, concave_faces, flatness, determinant, concave_cells, weight, volume_ratio,
+  kChecks
+};
+
+struct Row {
+  const char* name;
+  int counted_as;       // rows with one number are one check in "Failed N mesh checks"
+  bool all;             // with -allGeometry or -allTopology only
+  bool warns;           // never fails a mesh
+  bool greater_is_worse;
+  bool has_mean;
+};
+extern const std::array<Row, kChecks> kRows;
+
+// Per row; non-orthogonality as a cosine, the angles of concave faces as sines.
+using Limits = std::array<double, kChecks>;
+Limits limits_of(const MeshQualityLimits& limits);                              // no edge is too short
+Limits limits_of(const MeshQualityLimits& limits, const PolyhedralMesh& mesh);
+
+inline bool fails(int check, double value, const Limits& limits) {
+  return kRows[static_cast<std::size_t>(check)].greater_is_worse ? value > limits[static_cast<std::size_t>(check)] : value < limits[static_cast<std::size_t>(check)];
+}
+// As it is reported: cosines and sines as degrees.
+double shown(int check, double value);
+
+// NaN: not measured there.
+struct Measures {
+  std::array<double, kChecks> value;
+  Measures() { value.fill(std::numeric_limits<double>::quiet_NaN()); }
+  double& operator[](Check c) { return value[c]; }
+};
+
+// Faces and cells of a mesh, computed once. 48 bytes a face, 32 a cell.
+struct StoredGeometry {
+  const PolyhedralMesh& mesh;
+  const CellFaces& faces;
+  std::vector<foam::Face> face_geometry;
+  std::vector<foam::Cell> cell_geometry;
+
+  StoredGeometry(const PolyhedralMesh& mesh, const CellFaces& faces);
+  const foam::Face& face(std::size_t f) const { return face_geometry[f]; }
+  const foam::Cell& cell(std::size_t c, std::vector<foam::Side>&) const { return cell_geometry[c]; }
+  void sides(std::size_t c, std::vector<foam::Side>& into) const;
+};
+
+// The same from the points as they are now, for a few cells.
+struct LocalGeometry {
+  const PolyhedralMesh& mesh;
+  const CellFaces& faces;
+
+  foam::Face face(std::size_t f) const { return foam::face(mesh.face(f), mesh.points); }
+  foam::Cell cell(std::size_t c, std::vector<foam::Side>& scratch) const { return foam::cell(mesh, faces, c, scratch); }
+  void sides(std::size_t c, std::vector<foam::Side>& into) const { foam::gather_sides(mesh, faces, c, into); }
+};
+
+int repeated_points(foam::Loop loop);
+double shortest_edge(foam::Loop loop, foam::Points points);
+// Edges that only one of the cell's faces has. [T-QUAL-11]
+int open_edges(const PolyhedralMesh& mesh, const CellFaces& faces, std::size_t cell);
+
+template <class Geometry>
+void measure_face(const Geometry& g, std::size_t f, double least_concave_sine, std::vector<foam::Side>& scratch, Measures& m) {
+  const auto loop = g.mesh.face(f);
+  const foam::Points points = g.mesh.points;
+  const foam::Face face = g.face(f);
+  const foam::Cell owner = g.cell(g.mesh.owner[f], scratch);
+  m[face_vertices] = repeated_points(loop);
+  m[face_area] = norm(face.area);
+  m[edge_length] = shortest_edge(loop, points);
+  m[concave_faces] = foam::concave_sine(loop, points, face.area, least_concave_sine);
+  if (loop.size() > 3 && m[face_area] > foam::kVerySmall) m[flatness] = foam::flatness(loop, points, face);
+  m[pyramids] = foam::pyramid_volume(face, owner.centre);
+  if (f >= g.mesh.internal_faces()) {
+    m[boundary_skewness] = foam::boundary_skewness(loop, points, face, owner.centre);
+    m[tetrahedra] = foam::tetrahedra_errors(loop, points, face, owner.centre, nullptr);
+    return;
+  }
+  const foam::Cell neighbour = g.cell(g.mesh.neighbour[f], scratch);
+  m[pyramids] = std::fmin(m[pyramids], -foam::pyramid_volume(face, neighbour.centre));
+  m[tetrahedra] = foam::tetrahedra_errors(loop, points, face, owner.centre, &neighbour.centre);
+  m[non_orthogonality] = foam::cosine(owner.centre, neighbour.centre, face.area);
+  m[internal_skewness] = foam::skewness(loop, points, face, owner.centre, neighbour.centre);
+  m[weight] = foam::weight(face, owner.centre, neighbour.centre);
+  m[volume_ratio] = foam::volume_ratio(owner.volume, neighbour.volume);
+}
+
+template <class Geometry>
+void measure_cell(const Geometry& g, std::size_t c, std::vector<foam::Side>& scratch, Measures& m) {
+  const double volume = g.cell(c, scratch).volume;
+  g.sides(c, scratch);
+  const foam::Closedness closed = foam::closedness(scratch, volume);
+  m[faces_of_cell] = static_cast<double>(scratch.size());
+  m[zip_up] = open_edges(g.mesh, g.faces, c);
+  m[cell_openness] = closed.openness;
+  m[aspect_ratio] = closed.aspect_ratio;
+  m[cell_volume] = volume;
+  m[determinant] = foam::determinant(scratch);
+  m[concave_cells] = foam::is_concave(scratch) ? 1 : 0;
+}
+
+}  // namespace burnish::quality
