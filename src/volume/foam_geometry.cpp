@@ -17,6 +17,21 @@ void for_each_edge(Loop loop, Points points, Visit&& visit) {
   for (std::size_t i = 0; i < loop.size(); ++i) visit(points[loop[i]], points[loop[i + 1 < loop.size() ? i + 1 : 0]]);
 }
 
+// Whether all corners turn with the area vector, by more than rounding could hide: what nearly all loops do, and without roots.
+bool turns_one_way(Loop loop, Points points, const Vec3& area) {
+  constexpr double kClear = 1e-24;
+  Vec3 before = points[loop.front()] - points[loop.back()];
+  const double square = squared_norm(area);
+  bool one_way = true;
+  for_each_edge(loop, points, [&](const Vec3& a, const Vec3& b) {
+    const Vec3 edge = b - a, turn = cross(before, edge);
+    const double with = dot(turn, area);
+    one_way = one_way && with > 0 && with * with > kClear * squared_norm(turn) * square;
+    before = edge;
+  });
+  return one_way;
+}
+
 // How far the loop reaches from its centre along `direction`, but at least `least`.
 double reach(Loop loop, Points points, const Vec3& centre, const Vec3& direction, double least) {
   for (const std::uint32_t p : loop) least = std::max(least, std::fabs(dot(direction, points[p] - centre)));
@@ -147,6 +162,7 @@ double flatness(Loop loop, Points points, const Face& face) {
 }
 
 double concave_sine(Loop loop, Points points, const Vec3& area, double least) {
+  if (turns_one_way(loop, points, area)) return 0;
   const Vec3 normal = area / (norm(area) + kRootVerySmall);
   Vec3 before = points[loop.front()] - points[loop.back()];
   double length_before = norm(before), greatest = 0;

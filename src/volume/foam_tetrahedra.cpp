@@ -30,7 +30,7 @@ bool is_good(const Vec3& a, const Vec3& b, const Vec3& c) {
 // (a, b, face centre, apex) for all edges; `from_owner`: they have the other orientation.
 bool fans_are_good(Loop loop, Points points, const Vec3& centre, const Vec3& apex, bool from_owner) {
   for (std::size_t i = 0; i < loop.size(); ++i) {
-    const Vec3 &p = points[loop[i]], &q = points[loop[(i + 1) % loop.size()]];
+    const Vec3 &p = points[loop[i]], &q = points[loop[i + 1 < loop.size() ? i + 1 : 0]];
     const Vec3 a = q - p, b = centre - p, c = apex - p;
     if (from_owner ? !is_good(b, a, c) : !is_good(a, b, c)) return false;
   }
@@ -39,8 +39,9 @@ bool fans_are_good(Loop loop, Points points, const Vec3& centre, const Vec3& ape
 
 bool base_is_good(Loop loop, Points points, std::size_t base, const Vec3& owner, const Vec3* neighbour) {
   const Vec3& o = points[loop[base]];
+  const auto at = [&](std::size_t k) -> const Vec3& { return points[loop[base + k < loop.size() ? base + k : base + k - loop.size()]]; };
   for (std::size_t k = 1; k + 1 < loop.size(); ++k) {
-    const Vec3 &p = points[loop[(base + k) % loop.size()]], &q = points[loop[(base + k + 1) % loop.size()]];
+    const Vec3 &p = at(k), &q = at(k + 1);
     if (!is_good(o - owner, p - owner, q - owner)) return false;
     if (neighbour && !is_good(o - *neighbour, q - *neighbour, p - *neighbour)) return false;
   }

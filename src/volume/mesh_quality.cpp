@@ -32,8 +32,8 @@ struct Tally {
 struct Tallies {
   std::array<Tally, kChecks> of;
 
-  void add(const Measures& m, const Limits& limits) {
-    for (int check = 0; check < kChecks; ++check) {
+  void add(const Measures& m, std::span<const Check> checks, const Limits& limits) {
+    for (const Check check : checks) {
       const double value = m.value[static_cast<std::size_t>(check)];
       if (!std::isnan(value)) of[static_cast<std::size_t>(check)].add(value, fails(check, value, limits));
     }
@@ -52,9 +52,9 @@ struct Tallies {
   }
 };
 
-// measure(i, scratch, m) for all i < n.
+// measure(i, scratch, m) for all i < n, which gives values for `checks`.
 template <class Measure>
-Tallies tallied(std::size_t n, const Limits& limits, Progress& progress, Measure&& measure) {
+Tallies tallied(std::size_t n, std::span<const Check> checks, const Limits& limits, Progress& progress, Measure&& measure) {
   return parallel_reduce(
       n, kDefaultGrain, Tallies{},
       [&](std::size_t begin, std::size_t end) {
@@ -64,7 +64,7 @@ Tallies tallied(std::size_t n, const Limits& limits, Progress& progress, Measure
         for (std::size_t i = begin; i < end; ++i) {
           Measures m;
           measure(i, scratch, m);
-          tallies.add(m, limits);
+          tallies.add(m, checks, limits);
         }
         return tallies;
       },
@@ -90,16 +90,16 @@ double openness_of_boundary(const StoredGeometry& g) {
 }
 
 Tallies measured(const StoredGeometry& g, const Limits& limits, Progress& progress) {
-  const Tallies of_faces = tallied(g.mesh.faces(), limits, progress,
+  const Tallies of_faces = tallied(g.mesh.faces(), kOfFaces, limits, progress,
                                    [&](std::size_t f, std::vector<foam::Side>& scratch, Measures& m) { measure_face(g, f, limits[concave_faces], scratch, m); });
   progress.update(0.6);
-  const Tallies of_cells = tallied(g.mesh.cells, limits, progress, [&](std::size_t c, std::vector<foam::Side>& scratch, Measures& m) { measure_cell(g, c, scratch, m); });
+  const Tallies of_cells = tallied(g.mesh.cells, kOfCells, limits, progress, [&](std::size_t c, std::vector<foam::Side>& scratch, Measures& m) { measure_cell(g, c, scratch, m); });
   Tallies all = Tallies::combined(of_faces, of_cells);
   Measures of_mesh;
   of_mesh[unused_points] = static_cast<double>(unused_point_count(g.mesh));
   of_mesh[face_order] = static_cast<double>(misordered_face_count(g.mesh, g.faces));
   of_mesh[boundary_openness] = openness_of_boundary(g);
-  all.add(of_mesh, limits);
+  all.add(of_mesh, kOfMesh, limits);
   return all;
 }
 

@@ -7,31 +7,6 @@
 
 namespace burnish::quality {
 
-const std::array<Row, kChecks> kRows{{
-    {"cell faces", 0, false, false, false, false},
-    {"unused points", 1, false, false, true, false},
-    {"face order", 2, false, false, true, false},
-    {"face vertices", 3, false, false, true, false},
-    {"zip-up", 4, true, false, true, false},
-    {"boundary openness", 5, false, false, true, false},
-    {"cell openness", 6, false, false, true, false},
-    {"aspect ratio", 6, false, false, true, false},
-    {"face area", 7, false, false, false, false},
-    {"cell volume", 8, false, false, false, false},
-    {"non-orthogonality", 9, false, false, false, true},
-    {"face pyramids", 10, false, false, false, false},
-    {"skewness", 11, false, false, true, false},
-    {"boundary skewness", 11, false, false, true, false},
-    {"face tetrahedra", 12, true, false, true, false},
-    {"edge length", 13, true, true, false, false},
-    {"concave faces", 14, true, true, true, false},
-    {"flatness", 15, true, true, false, true},
-    {"determinant", 16, true, false, false, true},
-    {"concave cells", 17, true, false, true, false},
-    {"weight", 18, true, false, false, true},
-    {"volume ratio", 19, true, false, false, true},
-}};
-
 namespace {
 
 constexpr double kDegree = 3.14159265358979323846 / 180;
@@ -114,7 +89,7 @@ int repeated_points(foam::Loop loop) {
 
 double shortest_edge(foam::Loop loop, foam::Points points) {
   double least = std::numeric_limits<double>::infinity();
-  for (std::size_t i = 0; i < loop.size(); ++i) least = std::min(least, squared_norm(points[loop[i]] - points[loop[(i + 1) % loop.size()]]));
+  for (std::size_t i = 0; i < loop.size(); ++i) least = std::min(least, squared_norm(points[loop[i]] - points[loop[i + 1 < loop.size() ? i + 1 : 0]]));
   return std::sqrt(least);
 }
 
@@ -126,7 +101,7 @@ template <class Visit>
 void for_each_edge_use(const PolyhedralMesh& mesh, const CellFaces& faces, std::size_t cell, Visit&& visit) {
   for (const std::uint32_t f : faces[cell]) {
     const auto loop = mesh.face(f);
-    for (std::size_t i = 0; i < loop.size(); ++i) visit(std::minmax(loop[i], loop[(i + 1) % loop.size()]));
+    for (std::size_t i = 0; i < loop.size(); ++i) visit(std::minmax(loop[i], loop[i + 1 < loop.size() ? i + 1 : 0]));
   }
 }
 

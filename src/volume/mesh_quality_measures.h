@@ -27,7 +27,34 @@ struct Row {
   bool greater_is_worse;
   bool has_mean;
 };
-extern const std::array<Row, kChecks> kRows;
+inline constexpr std::array<Row, kChecks> kRows{{
+    {"cell faces", 0, false, false, false, false},
+    {"unused points", 1, false, false, true, false},
+    {"face order", 2, false, false, true, false},
+    {"face vertices", 3, false, false, true, false},
+    {"zip-up", 4, true, false, true, false},
+    {"boundary openness", 5, false, false, true, false},
+    {"cell openness", 6, false, false, true, false},
+    {"aspect ratio", 6, false, false, true, false},
+    {"face area", 7, false, false, false, false},
+    {"cell volume", 8, false, false, false, false},
+    {"non-orthogonality", 9, false, false, false, true},
+    {"face pyramids", 10, false, false, false, false},
+    {"skewness", 11, false, false, true, false},
+    {"boundary skewness", 11, false, false, true, false},
+    {"face tetrahedra", 12, true, false, true, false},
+    {"edge length", 13, true, true, false, false},
+    {"concave faces", 14, true, true, true, false},
+    {"flatness", 15, true, true, false, true},
+    {"determinant", 16, true, false, false, true},
+    {"concave cells", 17, true, false, true, false},
+    {"weight", 18, true, false, false, true},
+    {"volume ratio", 19, true, false, false, true},
+}};
+
+inline constexpr Check kOfFaces[] = {face_vertices, face_area, non_orthogonality, pyramids, internal_skewness, boundary_skewness, tetrahedra, edge_length, concave_faces, flatness, weight, volume_ratio};
+inline constexpr Check kOfCells[] = {faces_of_cell, zip_up, cell_openness, aspect_ratio, cell_volume, determinant, concave_cells};
+inline constexpr Check kOfMesh[] = {unused_points, face_order, boundary_openness};
 
 // Per row; non-orthogonality as a cosine, the angles of concave faces as sines.
 using Limits = std::array<double, kChecks>;
