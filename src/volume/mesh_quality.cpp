@@ -60,7 +60,7 @@ Tallies tallied(std::size_t n, std::span<const Check> checks, const Limits& limi
       [&](std::size_t begin, std::size_t end) {
         progress.check();
         Tallies tallies;
-        std::vector<foam::Side> scratch;
+        Scratch scratch;
         for (std::size_t i = begin; i < end; ++i) {
           Measures m;
           measure(i, scratch, m);
@@ -91,9 +91,9 @@ double openness_of_boundary(const StoredGeometry& g) {
 
 Tallies measured(const StoredGeometry& g, const Limits& limits, Progress& progress) {
   const Tallies of_faces = tallied(g.mesh.faces(), kOfFaces, limits, progress,
-                                   [&](std::size_t f, std::vector<foam::Side>& scratch, Measures& m) { measure_face(g, f, limits[concave_faces], scratch, m); });
+                                   [&](std::size_t f, Scratch& scratch, Measures& m) { measure_face(g, f, limits[concave_faces], scratch, m); });
   progress.update(0.6);
-  const Tallies of_cells = tallied(g.mesh.cells, kOfCells, limits, progress, [&](std::size_t c, std::vector<foam::Side>& scratch, Measures& m) { measure_cell(g, c, scratch, m); });
+  const Tallies of_cells = tallied(g.mesh.cells, kOfCells, limits, progress, [&](std::size_t c, Scratch& scratch, Measures& m) { measure_cell(g, c, scratch, m); });
   Tallies all = Tallies::combined(of_faces, of_cells);
   Measures of_mesh;
   of_mesh[unused_points] = static_cast<double>(unused_point_count(g.mesh));
@@ -169,7 +169,7 @@ void add_shapes(MeshQuality& quality, const VolumeMesh& mesh, const StoredGeomet
 
 // The first check of the table that a cell fails, by itself or by a face; boundary openness and the like are nobody's.
 template <class Geometry>
-std::optional<BadCell> verdict(const Geometry& g, std::uint32_t cell, const Limits& limits, std::vector<foam::Side>& scratch) {
+std::optional<BadCell> verdict(const Geometry& g, std::uint32_t cell, const Limits& limits, Scratch& scratch) {
   std::optional<BadCell> worst;
   int first = kChecks;
   const auto look = [&](const Measures& m) {
@@ -180,6 +180,7 @@ std::optional<BadCell> verdict(const Geometry& g, std::uint32_t cell, const Limi
       worst = BadCell{cell, kRows[static_cast<std::size_t>(check)].name, shown(check, value)};
     }
   };
+  g.keep(cell, scratch);
   Measures own;
   measure_cell(g, cell, scratch, own);
   look(own);
@@ -198,7 +199,7 @@ std::vector<BadCell> verdicts(const Geometry& g, std::size_t n, const Limits& li
       n, std::size_t{256}, std::vector<BadCell>{},
       [&](std::size_t begin, std::size_t end) {
         std::vector<BadCell> bad;
-        std::vector<foam::Side> scratch;
+        Scratch scratch;
         for (std::size_t i = begin; i < end; ++i)
           if (const auto found = verdict(g, cell_of(i), limits, scratch)) bad.push_back(*found);
         return bad;

@@ -74,6 +74,13 @@ struct Measures {
   double& operator[](Check c) { return value[c]; }
 };
 
+// What a thread needs for its work, and a cell whose geometry it keeps.
+struct Scratch {
+  std::vector<foam::Side> sides;
+  std::size_t kept = ~std::size_t{0};
+  foam::Cell kept_geometry;
+};
+
 // Faces and cells of a mesh, computed once. 48 bytes a face, 32 a cell.
 struct StoredGeometry {
   const PolyhedralMesh& mesh;
@@ -83,7 +90,8 @@ struct StoredGeometry {
 
   StoredGeometry(const PolyhedralMesh& mesh, const CellFaces& faces);
   const foam::Face& face(std::size_t f) const { return face_geometry[f]; }
-  const foam::Cell& cell(std::size_t c, std::vector<foam::Side>&) const { return cell_geometry[c]; }
+  const foam::Cell& cell(std::size_t c, Scratch&) const { return cell_geometry[c]; }
+  void keep(std::size_t, Scratch&) const {}
   void sides(std::size_t c, std::vector<foam::Side>& into) const;
 };
 
@@ -93,7 +101,11 @@ struct LocalGeometry {
   const CellFaces& faces;
 
   foam::Face face(std::size_t f) const { return foam::face(mesh.face(f), mesh.points); }
-  foam::Cell cell(std::size_t c, std::vector<foam::Side>& scratch) const { return foam::cell(mesh, faces, c, scratch); }
+  foam::Cell cell(std::size_t c, Scratch& scratch) const { return c == scratch.kept ? scratch.kept_geometry : foam::cell(mesh, faces, c, scratch.sides); }
+  void keep(std::size_t c, Scratch& scratch) const {
+    scratch.kept_geometry = foam::cell(mesh, faces, c, scratch.sides);
+    scratch.kept = c;
+  }
   void sides(std::size_t c, std::vector<foam::Side>& into) const { foam::gather_sides(mesh, faces, c, into); }
 };
 
@@ -103,7 +115,7 @@ double shortest_edge(foam::Loop loop, foam::Points points);
 int open_edges(const PolyhedralMesh& mesh, const CellFaces& faces, std::size_t cell);
 
 template <class Geometry>
-void measure_face(const Geometry& g, std::size_t f, double least_concave_sine, std::vector<foam::Side>& scratch, Measures& m) {
+void measure_face(const Geometry& g, std::size_t f, double least_concave_sine, Scratch& scratch, Measures& m) {
   const auto loop = g.mesh.face(f);
   const foam::Points points = g.mesh.points;
   const foam::Face face = g.face(f);
@@ -129,17 +141,18 @@ void measure_face(const Geometry& g, std::size_t f, double least_concave_sine, s
 }
 
 template <class Geometry>
-void measure_cell(const Geometry& g, std::size_t c, std::vector<foam::Side>& scratch, Measures& m) {
+void measure_cell(const Geometry& g, std::size_t c, Scratch& scratch, Measures& m) {
   const double volume = g.cell(c, scratch).volume;
-  g.sides(c, scratch);
-  const foam::Closedness closed = foam::closedness(scratch, volume);
-  m[faces_of_cell] = static_cast<double>(scratch.size());
+  std::vector<foam::Side>& sides = scratch.sides;
+  g.sides(c, sides);
+  const foam::Closedness closed = foam::closedness(sides, volume);
+  m[faces_of_cell] = static_cast<double>(sides.size());
   m[zip_up] = open_edges(g.mesh, g.faces, c);
   m[cell_openness] = closed.openness;
   m[aspect_ratio] = closed.aspect_ratio;
   m[cell_volume] = volume;
-  m[determinant] = foam::determinant(scratch);
-  m[concave_cells] = foam::is_concave(scratch) ? 1 : 0;
+  m[determinant] = foam::determinant(sides);
+  m[concave_cells] = foam::is_concave(sides) ? 1 : 0;
 }
 
 }  // namespace burnish::quality
