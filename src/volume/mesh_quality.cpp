@@ -82,18 +82,26 @@ double openness_of_boundary(const StoredGeometry& g) {
       g.mesh.faces() - inner, kDefaultGrain, Sum{},
       [&](std::size_t begin, std::size_t end) {
         Sum sum;
-        for (std::size_t f = inner + begin; f < inner + end; ++f) sum.areas += g.face(f).area, sum.sizes += norm(g.face(f).area);
+        for (std::size_t f = inner + begin; f < inner + end; ++f) {
+          const Vec3 area = g.face(f).area;
+          sum.areas += area;
+          sum.sizes += norm(area);
+        }
         return sum;
       },
       [](const Sum& a, const Sum& b) { return Sum{a.areas + b.areas, a.sizes + b.sizes}; });
   return std::max({std::fabs(all.areas.x), std::fabs(all.areas.y), std::fabs(all.areas.z)}) / (all.sizes + foam::kVerySmall);
 }
 
-Tallies measured(const StoredGeometry& g, const Limits& limits, Progress& progress) {
+// Computes the geometry of the cells on the way.
+Tallies measured(StoredGeometry& g, const Limits& limits, Progress& progress) {
+  progress.begin_stage("mesh quality");
+  g.cell_geometry.resize(g.mesh.cells);
+  const Tallies of_cells = tallied(g.mesh.cells, kOfCells, limits, progress,
+                                   [&](std::size_t c, Scratch& scratch, Measures& m) { g.cell_geometry[c] = measure_cell(g.mesh, g.faces, c, scratch.sides, m); });
+  progress.update(0.5);
   const Tallies of_faces = tallied(g.mesh.faces(), kOfFaces, limits, progress,
                                    [&](std::size_t f, Scratch& scratch, Measures& m) { measure_face(g, f, limits[concave_faces], scratch, m); });
-  progress.update(0.6);
-  const Tallies of_cells = tallied(g.mesh.cells, kOfCells, limits, progress, [&](std::size_t c, Scratch& scratch, Measures& m) { measure_cell(g, c, scratch, m); });
   Tallies all = Tallies::combined(of_faces, of_cells);
   Measures of_mesh;
   of_mesh[unused_points] = static_cast<double>(unused_point_count(g.mesh));
@@ -142,7 +150,7 @@ MeshQuality judged(const Tallies& tallies, const Limits& limits) {
   return result;
 }
 
-MeshQuality quality_of(const StoredGeometry& g, const MeshQualityLimits& limits, Progress& progress) {
+MeshQuality quality_of(StoredGeometry& g, const MeshQualityLimits& limits, Progress& progress) {
   const Limits values = limits_of(limits, g.mesh);
   MeshQuality result = judged(measured(g, values, progress), values);
   result.cells = g.mesh.cells;
@@ -182,7 +190,7 @@ std::optional<BadCell> verdict(const Geometry& g, std::uint32_t cell, const Limi
   };
   g.keep(cell, scratch);
   Measures own;
-  measure_cell(g, cell, scratch, own);
+  measure_cell(g.mesh, g.faces, cell, scratch.sides, own);
   look(own);
   for (const std::uint32_t f : g.faces[cell]) {
     Measures m;
@@ -220,12 +228,13 @@ const MeshCheck& MeshQuality::check(std::string_view name) const {
 
 MeshQuality mesh_quality(const PolyhedralMesh& mesh, const MeshQualityLimits& limits, Progress& progress) {
   const CellFaces faces = cell_faces(mesh);
-  return quality_of(StoredGeometry(mesh, faces), limits, progress);
+  StoredGeometry g{mesh, faces, {}};
+  return quality_of(g, limits, progress);
 }
 
 MeshQuality mesh_quality(const VolumeMesh& mesh, const MeshQualityLimits& limits, Progress& progress) {
   const CellFaces faces = cell_faces(mesh.mesh);
-  const StoredGeometry g(mesh.mesh, faces);
+  StoredGeometry g{mesh.mesh, faces, {}};
   MeshQuality result = quality_of(g, limits, progress);
   add_shapes(result, mesh, g);
   return result;
@@ -233,7 +242,7 @@ MeshQuality mesh_quality(const VolumeMesh& mesh, const MeshQualityLimits& limits
 
 std::vector<BadCell> bad_cells(const PolyhedralMesh& mesh, const MeshQualityLimits& limits, Progress& progress) {
   const CellFaces faces = cell_faces(mesh);
-  const StoredGeometry g(mesh, faces);
+  const StoredGeometry g = stored_geometry(mesh, faces);
   progress.check();
   return verdicts(g, mesh.cells, limits_of(limits, mesh), [](std::size_t i) { return static_cast<std::uint32_t>(i); });
 }

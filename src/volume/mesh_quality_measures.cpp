@@ -57,23 +57,13 @@ double shown(int check, double value) {
   return value;
 }
 
-StoredGeometry::StoredGeometry(const PolyhedralMesh& m, const CellFaces& cells) : mesh(m), faces(cells), face_geometry(m.faces()), cell_geometry(m.cells) {
-  parallel_for(mesh.faces(), [&](std::size_t f) { face_geometry[f] = foam::face(mesh.face(f), mesh.points); });
+StoredGeometry stored_geometry(const PolyhedralMesh& mesh, const CellFaces& faces) {
+  StoredGeometry result{mesh, faces, std::vector<foam::Cell>(mesh.cells)};
   parallel_ranges(mesh.cells, kDefaultGrain, [&](std::size_t begin, std::size_t end) {
     std::vector<foam::Side> scratch;
-    for (std::size_t c = begin; c < end; ++c) {
-      sides(c, scratch);
-      cell_geometry[c] = foam::cell(scratch);
-    }
+    for (std::size_t c = begin; c < end; ++c) result.cell_geometry[c] = foam::cell(mesh, faces, c, scratch);
   });
-}
-
-void StoredGeometry::sides(std::size_t c, std::vector<foam::Side>& into) const {
-  into.clear();
-  for (const std::uint32_t f : faces[c]) {
-    const foam::Face& here = face_geometry[f];
-    into.push_back({here.centre, mesh.owner[f] == c ? here.area : -here.area, f < mesh.internal_faces()});
-  }
+  return result;
 }
 
 int repeated_points(foam::Loop loop) {
@@ -127,6 +117,19 @@ int open_edges(const PolyhedralMesh& mesh, const CellFaces& faces, std::size_t c
     if (next - i == 1) ++open;
   }
   return open;
+}
+
+foam::Cell measure_cell(const PolyhedralMesh& mesh, const CellFaces& faces, std::size_t cell, std::vector<foam::Side>& sides, Measures& m) {
+  const foam::Cell geometry = foam::cell(mesh, faces, cell, sides);
+  const foam::Closedness closed = foam::closedness(sides, geometry.volume);
+  m[faces_of_cell] = static_cast<double>(sides.size());
+  m[zip_up] = open_edges(mesh, faces, cell);
+  m[cell_openness] = closed.openness;
+  m[aspect_ratio] = closed.aspect_ratio;
+  m[cell_volume] = geometry.volume;
+  m[determinant] = foam::determinant(sides);
+  m[concave_cells] = foam::is_concave(sides) ? 1 : 0;
+  return geometry;
 }
 
 }  // namespace burnish::quality

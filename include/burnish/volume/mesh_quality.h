@@ -71,7 +71,7 @@ struct MeshQualityLimits {  // checkMesh's own, unless a caller is stricter
 };
 
 // What a mesh is, without changing it. Same bits for any number of threads.
-// Time: 1.0 us a hexahedron, 0.7 us a tetrahedron (of one CPU). Memory besides the mesh: 215 bytes a hexahedron, 145 a tetrahedron.
+// Time: 1.4 us a hexahedron, 0.7 us a tetrahedron (of one CPU, measured on a busy machine). Memory besides the mesh: 75 bytes a hexahedron, 65 a tetrahedron.
 MeshQuality mesh_quality(const VolumeMesh& mesh, const MeshQualityLimits& limits = {}, Progress& progress = no_progress());
 // The same where shapes are not known: nothing by shape, no dihedral angles.
 MeshQuality mesh_quality(const PolyhedralMesh& mesh, const MeshQualityLimits& limits = {}, Progress& progress = no_progress());
