@@ -52,7 +52,8 @@ inline constexpr std::array<Row, kChecks> kRows{{
     {"volume ratio", 19, true, false, false, true},
 }};
 
-inline constexpr Check kOfFaces[] = {face_vertices, face_area, non_orthogonality, pyramids, internal_skewness, boundary_skewness, tetrahedra, edge_length, concave_faces, flatness, weight, volume_ratio};
+inline constexpr Check kOfFaces[] = {face_vertices, face_area, non_orthogonality, pyramids, internal_skewness, boundary_skewness, tetrahedra, edge_length,
+                                      concave_faces, flatness, weight, volume_ratio};
 inline constexpr Check kOfCells[] = {faces_of_cell, zip_up, cell_openness, aspect_ratio, cell_volume, determinant, concave_cells};
 inline constexpr Check kOfMesh[] = {unused_points, face_order, boundary_openness};
 

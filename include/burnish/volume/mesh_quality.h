@@ -42,7 +42,7 @@ struct MeshCheck {
   double mean = 0;             // as checkMesh prints it, where it does (non-orthogonality: the angle of the mean cosine)
   std::uint64_t measured = 0;  // faces or cells; none: worst, best and mean say nothing
   std::uint64_t failing = 0;   // faces or cells beyond the limit, each once
-  bool passed = true;          // as checkMesh judges it
+  bool passed = true;          // as checkMesh judges it; by the limits that were given, where these are others
 };
 
 struct MeshQuality {
@@ -86,7 +86,7 @@ struct BadCell {
 std::vector<BadCell> bad_cells(const PolyhedralMesh& mesh, const MeshQualityLimits& limits = {}, Progress& progress = no_progress());
 inline std::vector<BadCell> bad_cells(const VolumeMesh& mesh, const MeshQualityLimits& limits = {}, Progress& progress = no_progress()) { return bad_cells(mesh.mesh, limits, progress); }
 
-// Those of `cells`, in that order, measured anew from the points as they are now; about 5 us a cell, whatever the size of the mesh. A point that moved
+// Those of `cells`, in that order, measured anew from the points as they are now; 5 to 8 us a hexahedron, 2 us a tetrahedron, whatever the size of the mesh. A point that moved
 // changes the cells around it and their neighbours. Not looked for: what is of the mesh as a whole (unused points, face order, boundary openness) and short edges.
 std::vector<BadCell> bad_cells_among(const PolyhedralMesh& mesh, const CellFaces& faces, std::span<const std::uint32_t> cells, const MeshQualityLimits& limits = {});
 
