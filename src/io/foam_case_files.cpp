@@ -77,13 +77,13 @@ wallDist
 }
 )";
 
+// GAMG refuses meshes of a few cells.
+constexpr std::uint32_t kCellsForMultigrid = 10000;
+constexpr std::string_view kMultigrid = "        solver          GAMG;\n        smoother        GaussSeidel;";
+constexpr std::string_view kGradients = "        solver          PCG;\n        preconditioner  DIC;";
+
+// Behind the solver of the pressure.
 constexpr std::string_view kSolution = R"(
-solvers
-{
-    p
-    {
-        solver          GAMG;
-        smoother        GaussSeidel;
         tolerance       1e-9;
         relTol          0.05;
     }
@@ -197,6 +197,10 @@ std::string field_text(std::string_view head, const PolyhedralMesh& mesh, std::s
   return text + fmt::format("    \".*\"\n    {{\n        type            {};\n    }}\n}}\n", other);
 }
 
+std::string solution_text(const PolyhedralMesh& mesh) {
+  return fmt::format("\nsolvers\n{{\n    p\n    {{\n{}{}", mesh.cells < kCellsForMultigrid ? kGradients : kMultigrid, kSolution);
+}
+
 std::string transport_text(const PolyhedralMesh& mesh) {
   Box3 box;
   for (const Vec3& p : mesh.points) box.extend(p);
@@ -233,7 +237,7 @@ void write_case_files(const std::string& case_folder, const PolyhedralMesh& mesh
                                        {"0", "U", "volVectorField", field_text(kVelocity, mesh, "slip")},
                                        {"0", "p", "volScalarField", field_text(kPressure, mesh, "zeroGradient")},
                                        {"system", "fvSchemes", "dictionary", std::string(kSchemes)},
-                                       {"system", "fvSolution", "dictionary", std::string(kSolution)},
+                                       {"system", "fvSolution", "dictionary", solution_text(mesh)},
                                        {"system", "controlDict", "dictionary", std::string(kControlDict)}}};
   for (const CaseFile& file : files) store(case_folder, file);
 }

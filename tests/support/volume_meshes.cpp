@@ -387,9 +387,9 @@ VolumeMesh mixed_cells(bool with_polyhedron) {
   }
   cells.push_back({tetrahedron, {c[6], c[2], c[1], middle}, {}});
   cells.push_back({tetrahedron, {c[5], c[6], c[1], middle}, {}});
-  // The lower triangle's normal away from the upper one.
-  cells.push_back({wedge, {at(0, 0, 1), at(1, 1, 1), at(1, 0, 1), top(0, 0), top(1, 1), top(1, 0)}, {}});
-  cells.push_back({wedge, {at(0, 0, 1), at(0, 1, 1), at(1, 1, 1), top(0, 0), top(0, 1), top(1, 1)}, {}});
+  // Triangles across y, the first one's normal away from the other; the lower wedge stands on the cube's face.
+  cells.push_back({wedge, {at(0, 0, 1), at(1, 0, 1), top(0, 0), at(0, 1, 1), at(1, 1, 1), top(0, 1)}, {}});
+  cells.push_back({wedge, {at(1, 0, 1), top(1, 0), top(0, 0), at(1, 1, 1), top(1, 1), top(0, 1)}, {}});
   if (with_polyhedron) {
     CellLoops loops = loops_of({hexahedron, cube(3), {}});
     std::erase_if(loops, [&](const auto& loop) { return std::all_of(loop.begin(), loop.end(), [&](std::uint32_t p) { return p / 4 == 3; }); });

@@ -45,7 +45,7 @@ struct ShapedCell {
 VolumeMesh volume_mesh_of(std::vector<Vec3> points, const std::vector<ShapedCell>& cells, std::vector<MeshPatch> patches, const std::function<std::size_t(const Vec3&)>& patch_of);
 
 // Two hexahedra, five pyramids, two tetrahedra, two wedges and, if asked for, a polyhedron (a cube with one face in two triangles), in this order: a row
-// of unit cubes along x with half a cube each on top of the first. Volume 4, or 5; patches "floor" (wall: z = 0), "xMin" and "xMax" (patch), "rest" (wall).
+// of unit cubes along x, with one of two wedges on top of the first. Volume 4, or 5; patches "floor" (wall: z = 0), "xMin" and "xMax" (patch), "rest" (wall).
 VolumeMesh mixed_cells(bool with_polyhedron);
 // The hexahedra of a grid, patches "xMin" and "xMax" (patch), "walls" (wall).
 VolumeMesh hexahedral_volume(const Grid& grid);
