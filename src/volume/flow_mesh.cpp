@@ -14,6 +14,7 @@
 #include "burnish/extract/reference_surface.h"
 #include "burnish/levelset/from_triangles.h"
 #include "cell_lattice.h"
+#include "fit_boundary.h"
 #include "stuffing.h"
 
 namespace burnish {
@@ -110,23 +111,15 @@ class FlowMesher {
     Creases creases = find_creases(lattice_surface, {.angle = options_.crease_angle});
     reference_ = std::make_unique<ReferenceSurface>(std::move(lattice_surface), std::move(creases));
     const std::size_t internal = mesh.internal_faces();
-    std::vector<Vec3> normal(mesh.points.size());
     on_wall_.assign(mesh.faces() - internal, 0);
     for (std::size_t f = internal; f < mesh.faces(); ++f) {
       const auto face = mesh.face(f);
       if (!std::all_of(face.begin(), face.end(), [&](std::uint32_t p) { return stuffed_.on_surface[source_[p]] != 0; })) continue;
       on_wall_[f - internal] = 1;
-      Vec3 n;
-      for (std::size_t i = 2; i < face.size(); ++i) n += cross(mesh.points[face[i - 1]] - mesh.points[face[0]], mesh.points[face[i]] - mesh.points[face[0]]);
-      for (const std::uint32_t p : face) normal[p] += n;
     }
-    const double sign = outside() ? -1 : 1;
-    parallel_for(mesh.points.size(), [&](std::size_t p) {
-      const double length = norm(normal[p]);
-      if (!(length > 0)) return;
-      const ReferenceSurface::Foot foot = reference_->closest(mesh.points[p], 2, normal[p] * (sign / length));
-      if (foot.found()) result_.mesh.mesh.points[p] = foot.point;
-    });
+    const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, progress_);
+    result_.moved_back = told.moved_back;
+    result_.crease_points = told.crease_points + told.corners;
   }
 
   void name_patches() {

@@ -46,6 +46,7 @@ struct FlowMesh {
   VolumeMesh mesh;
   GridFrame frame;                       // its lattice: cells of the finest level have side 2
   std::vector<std::uint64_t> cells_of_level;
+  std::uint64_t crease_points = 0;       // boundary points on creases and corners of the surface
   std::uint64_t moved_back = 0;          // boundary points that quality kept from their place on the surface
   std::vector<std::string> notes;        // what a user should know
 };
