@@ -9,6 +9,7 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/volume/mesh_quality.h"
+#include "relax.h"
 
 namespace burnish {
 namespace {
@@ -16,13 +17,14 @@ namespace {
 constexpr double kReach = 2;          // lattice units: how far a point may go to the surface
 constexpr double kCornerReach = 1.6;  // to a corner of the creases
 constexpr double kConnected = 3;      // the ball in which a path around a crease counts
+constexpr int kSweeps = 3, kRings = 2;  // of relaxing
 constexpr int kRounds = 8;            // of moving back; after the last but one all the way
 constexpr MeshQualityLimits kLimits{.non_orthogonality = 65, .internal_skewness = 1, .boundary_skewness = 1};
 
 class Fitting {
  public:
   Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, Progress& progress)
-      : mesh_(mesh.mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
+      : volume_(mesh), mesh_(mesh.mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
 
   BoundaryFit run() {
     start_ = mesh_.points;
@@ -33,6 +35,7 @@ class Fitting {
       cover_crossed_edges();
     }
     progress_.check();
+    relax(volume_, free_points(), kSweeps);
     restore_quality();
     return result_;
   }
@@ -135,6 +138,27 @@ class Fitting {
     }
   }
 
+  // Inner points within a few cells of the wall, of cells that are not cubes any more; those of hexahedra keep their right angles.
+  std::vector<std::uint8_t> free_points() const {
+    std::vector<std::uint8_t> near(mesh_.points.size(), 0);
+    for (const std::uint32_t p : wall_) near[p] = 1;
+    for (int ring = 0; ring < kRings; ++ring) {
+      std::vector<std::uint8_t> wider = near;
+      for (std::size_t c = 0; c < volume_.cells(); ++c) {
+        const auto cell = volume_.cell(c);
+        if (std::any_of(cell.begin(), cell.end(), [&](std::uint32_t p) { return near[p] != 0; }))
+          for (const std::uint32_t p : cell) wider[p] = 1;
+      }
+      near = std::move(wider);
+    }
+    for (std::size_t f = mesh_.internal_faces(); f < mesh_.faces(); ++f)
+      for (const std::uint32_t p : mesh_.face(f)) near[p] = 0;
+    for (std::size_t c = 0; c < volume_.cells(); ++c)
+      if (volume_.shape[c] == CellShape::hexahedron || volume_.shape[c] == CellShape::polyhedron)
+        for (const std::uint32_t p : volume_.cell(c)) near[p] = 0;
+    return near;
+  }
+
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
     const std::vector<Vec3> wanted = mesh_.points;
@@ -172,6 +196,7 @@ class Fitting {
     return points;
   }
 
+  VolumeMesh& volume_;
   PolyhedralMesh& mesh_;
   const std::vector<std::uint8_t>& on_wall_;
   const ReferenceSurface& reference_;
