@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <compare>
 #include <utility>
 
 #include "burnish/core/error.h"
@@ -12,6 +13,14 @@ namespace burnish {
 namespace {
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
+
+// A number for each number, 64 bits that look random (splitmix64).
+constexpr std::uint64_t scattered(std::uint64_t x) {
+  x += 0x9e3779b97f4a7c15ull;
+  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ull;
+  x = (x ^ x >> 27) * 0x94d049bb133111ebull;
+  return x ^ x >> 31;
+}
 
 // A face as one cell has it: its points lie one after the other in `loops`, the normal outwards.
 struct HalfFace {
@@ -92,20 +101,27 @@ class Assembly {
 
   std::span<const std::uint32_t> loop(const HalfFace& h) const { return {loops_.data() + h.first, h.size}; }
 
-  // The three lowest points: two faces that have them in common are one.
-  std::array<std::uint32_t, 3> lowest(const HalfFace& h) const {
-    std::array<std::uint32_t, 3> low{kUnused, kUnused, kUnused};
-    for (std::uint32_t p : loop(h))
-      for (std::uint32_t& l : low)
-        if (p < l) std::swap(p, l);
-    return low;
+  // What both cells call a face by: its two lowest points, how many there are, and a sum that tells others apart. (Polygons with points in the middle of edges may have three points in common.)
+  struct Name {
+    std::uint32_t low, next, size;
+    std::uint64_t sum;
+    auto operator<=>(const Name&) const = default;
+  };
+  Name name(const HalfFace& h) const {
+    Name n{kUnused, kUnused, h.size, 0};
+    for (std::uint32_t p : loop(h)) {
+      n.sum += scattered(p);
+      if (p < n.low) std::swap(p, n.low);
+      if (p < n.next) n.next = p;
+    }
+    return n;
   }
 
   void match() {
     // By the lowest point first, so that what is left to sort is small.
     std::vector<std::uint64_t> start(result_.mesh.points.size() + 1, 0);
     std::vector<std::uint32_t> low(half_.size());
-    parallel_for(half_.size(), [&](std::size_t h) { low[h] = lowest(half_[h])[0]; });
+    parallel_for(half_.size(), [&](std::size_t h) { low[h] = name(half_[h]).low; });
     for (const std::uint32_t p : low) ++start[p + 1];
     for (std::size_t p = 1; p < start.size(); ++p) start[p] += start[p - 1];
     std::vector<std::uint32_t> at(half_.size());
@@ -117,8 +133,8 @@ class Assembly {
   }
 
   void match_at(std::uint32_t* begin, std::uint32_t* end) {
-    std::vector<std::pair<std::array<std::uint32_t, 3>, std::uint32_t>> here;
-    for (; begin != end; ++begin) here.emplace_back(lowest(half_[*begin]), *begin);
+    std::vector<std::pair<Name, std::uint32_t>> here;
+    for (; begin != end; ++begin) here.emplace_back(name(half_[*begin]), *begin);
     std::sort(here.begin(), here.end());
     for (std::size_t i = 0; i < here.size();) {
       std::size_t j = i + 1;

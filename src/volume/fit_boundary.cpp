@@ -9,6 +9,7 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/volume/mesh_quality.h"
+#include "relax.h"
 
 namespace burnish {
 namespace {
@@ -16,13 +17,15 @@ namespace {
 constexpr double kReach = 2;          // lattice units: how far a point may go to the surface
 constexpr double kCornerReach = 1.6;  // to a corner of the creases
 constexpr double kConnected = 3;      // the ball in which a path around a crease counts
-constexpr int kRounds = 8;            // of moving back; after the last but one all the way
+constexpr int kSweeps = 3, kRings = 2;  // of relaxing
+constexpr int kSteps = 4;    // in which a point goes back
+constexpr int kRounds = 24;  // of moving back, in the last one all the way
 constexpr MeshQualityLimits kLimits{.non_orthogonality = 65, .internal_skewness = 1, .boundary_skewness = 1};
 
 class Fitting {
  public:
   Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, Progress& progress)
-      : mesh_(mesh.mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
+      : volume_(mesh), mesh_(mesh.mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
 
   BoundaryFit run() {
     start_ = mesh_.points;
@@ -33,6 +36,7 @@ class Fitting {
       cover_crossed_edges();
     }
     progress_.check();
+    relax(volume_, free_points(), kSweeps);
     restore_quality();
     return result_;
   }
@@ -135,18 +139,36 @@ class Fitting {
     }
   }
 
+  // Inner points within a few cells of the wall, of cells that are not cubes any more; those of hexahedra keep their right angles.
+  std::vector<std::uint8_t> free_points() const {
+    std::vector<std::uint8_t> near(mesh_.points.size(), 0);
+    for (const std::uint32_t p : wall_) near[p] = 1;
+    for (int ring = 0; ring < kRings; ++ring) {
+      std::vector<std::uint8_t> wider = near;
+      for (std::size_t c = 0; c < volume_.cells(); ++c) {
+        const auto cell = volume_.cell(c);
+        if (std::any_of(cell.begin(), cell.end(), [&](std::uint32_t p) { return near[p] != 0; }))
+          for (const std::uint32_t p : cell) wider[p] = 1;
+      }
+      near = std::move(wider);
+    }
+    for (std::size_t f = mesh_.internal_faces(); f < mesh_.faces(); ++f)
+      for (const std::uint32_t p : mesh_.face(f)) near[p] = 0;
+    for (std::size_t c = 0; c < volume_.cells(); ++c)
+      if (volume_.shape[c] == CellShape::hexahedron || volume_.shape[c] == CellShape::polyhedron)
+        for (const std::uint32_t p : volume_.cell(c)) near[p] = 0;
+    return near;
+  }
+
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
-      std::vector<std::uint32_t> moved = points_around(faces, bad, round >= kRounds / 2);
-      std::vector<std::uint32_t> cells;
-      for (const std::uint32_t p : moved) {
-        if (mesh_.points[p] == start_[p]) continue;
+      for (const std::uint32_t p : culprits(faces, bad, round)) {
         ++steps[p];
-        const double part = steps[p] >= 3 || round + 2 >= kRounds ? 0 : std::ldexp(1.0, -steps[p]);
+        const double part = steps[p] >= kSteps || round + 2 >= kRounds ? 0 : 1 - static_cast<double>(steps[p]) / kSteps;
         mesh_.points[p] = start_[p] + (wanted[p] - start_[p]) * part;
       }
       bad = bad_cells(mesh_, kLimits, progress_);
@@ -154,24 +176,28 @@ class Fitting {
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
   }
 
-  // The points of these cells, and of their neighbours if so wished.
-  std::vector<std::uint32_t> points_around(const CellFaces& faces, const std::vector<BadCell>& bad, bool neighbours) const {
-    std::vector<std::uint32_t> cells;
+  // Of each bad cell the point that has moved farthest; in later rounds all of them, then those of the neighbours too.
+  std::vector<std::uint32_t> culprits(const CellFaces& faces, const std::vector<BadCell>& bad, int round) const {
+    std::vector<std::uint32_t> cells, points;
     for (const BadCell& b : bad) {
       cells.push_back(b.cell);
-      if (!neighbours) continue;
+      if (round < kRounds / 2) continue;
       for (const std::uint32_t f : faces[b.cell])
         if (f < mesh_.internal_faces()) cells.push_back(mesh_.owner[f] == b.cell ? mesh_.neighbour[f] : mesh_.owner[f]);
     }
-    std::vector<std::uint32_t> points;
-    for (const std::uint32_t c : cells)
-      for (const std::uint32_t f : faces[c])
-        for (const std::uint32_t p : mesh_.face(f)) points.push_back(p);
+    const auto moved = [&](std::uint32_t p) { return squared_norm(mesh_.points[p] - start_[p]); };
+    for (const std::uint32_t c : cells) {
+      const auto cell = volume_.cell(c);
+      if (round < kRounds / 2) points.push_back(*std::max_element(cell.begin(), cell.end(), [&](std::uint32_t a, std::uint32_t b) { return std::pair(moved(a), b) < std::pair(moved(b), a); }));
+      else points.insert(points.end(), cell.begin(), cell.end());
+    }
     std::sort(points.begin(), points.end());
     points.erase(std::unique(points.begin(), points.end()), points.end());
+    std::erase_if(points, [&](std::uint32_t p) { return !(moved(p) > 0); });
     return points;
   }
 
+  VolumeMesh& volume_;
   PolyhedralMesh& mesh_;
   const std::vector<std::uint8_t>& on_wall_;
   const ReferenceSurface& reference_;

@@ -1,0 +1,90 @@
+#include "relax.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <span>
+
+namespace burnish {
+namespace {
+
+// At each corner, with its neighbours in an order that makes the determinant positive.
+constexpr std::array<std::array<int, 4>, 1> kTetrahedron{{{0, 1, 2, 3}}};
+constexpr std::array<std::array<int, 4>, 4> kPyramid{{{0, 1, 3, 4}, {1, 2, 0, 4}, {2, 3, 1, 4}, {3, 0, 2, 4}}};
+constexpr std::array<std::array<int, 4>, 6> kWedge{{{0, 2, 1, 3}, {1, 0, 2, 4}, {2, 1, 0, 5}, {3, 4, 5, 0}, {4, 5, 3, 1}, {5, 3, 4, 2}}};
+constexpr std::array<std::array<int, 4>, 8> kHexahedron{{{0, 1, 3, 4}, {1, 2, 0, 5}, {2, 3, 1, 6}, {3, 0, 2, 7}, {4, 7, 5, 0}, {5, 4, 6, 1}, {6, 5, 7, 2}, {7, 6, 4, 3}}};
+
+std::span<const std::array<int, 4>> corner_tetrahedra(CellShape shape) {
+  switch (shape) {
+    case CellShape::tetrahedron: return kTetrahedron;
+    case CellShape::pyramid: return kPyramid;
+    case CellShape::wedge: return kWedge;
+    case CellShape::hexahedron: return kHexahedron;
+    case CellShape::polyhedron: break;
+  }
+  return {};
+}
+
+// [T-HEX-7] Negative for an inverted tetrahedron.
+double mean_ratio(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
+  const Vec3 u = b - a, v = c - a, w = d - a;
+  const double volume = dot(cross(u, v), w) / 6;
+  const double lengths = squared_norm(u) + squared_norm(v) + squared_norm(w) + squared_norm(c - b) + squared_norm(d - c) + squared_norm(b - d);
+  return std::copysign(12 * std::cbrt(9 * volume * volume) / lengths, volume);
+}
+
+class Relaxation {
+ public:
+  explicit Relaxation(VolumeMesh& mesh) : mesh_(mesh), first_(mesh.mesh.points.size() + 1, 0) {
+    for (const std::uint32_t p : mesh.corners) ++first_[p + 1];
+    for (std::size_t p = 1; p < first_.size(); ++p) first_[p] += first_[p - 1];
+    cells_.resize(mesh.corners.size());
+    std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
+    for (std::uint32_t c = 0; c < mesh.cells(); ++c)
+      for (const std::uint32_t p : mesh.cell(c)) cells_[next[p]++] = c;
+  }
+
+  void move(std::uint32_t p) {
+    Vec3 mean;
+    double count = 0;
+    for (std::uint64_t i = first_[p]; i < first_[p + 1]; ++i)
+      for (const std::uint32_t q : mesh_.cell(cells_[i]))
+        if (q != p) mean += mesh_.mesh.points[q], ++count;
+    if (count == 0) return;
+    Vec3& at = mesh_.mesh.points[p];
+    const Vec3 start = at, step = mean / count - start;
+    const double before = worst(p);
+    for (const double part : {1.0, 0.5, 0.25}) {
+      at = start + step * part;
+      if (worst(p) > before) return;
+    }
+    at = start;
+  }
+
+ private:
+  double worst(std::uint32_t p) const {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::uint64_t i = first_[p]; i < first_[p + 1]; ++i) {
+      const auto cell = mesh_.cell(cells_[i]);
+      const auto at = [&](int k) { return mesh_.mesh.points[cell[static_cast<std::size_t>(k)]]; };
+      for (const std::array<int, 4>& t : corner_tetrahedra(mesh_.shape[cells_[i]])) least = std::min(least, mean_ratio(at(t[0]), at(t[1]), at(t[2]), at(t[3])));
+    }
+    return least;
+  }
+
+  VolumeMesh& mesh_;
+  std::vector<std::uint64_t> first_;
+  std::vector<std::uint32_t> cells_;  // at each point
+};
+
+}  // namespace
+
+void relax(VolumeMesh& mesh, const std::vector<std::uint8_t>& free, int sweeps) {
+  Relaxation relaxation(mesh);
+  for (int sweep = 0; sweep < sweeps; ++sweep)
+    for (std::uint32_t p = 0; p < free.size(); ++p)
+      if (free[p]) relaxation.move(p);
+}
+
+}  // namespace burnish

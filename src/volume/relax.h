@@ -1,0 +1,15 @@
+// Inner points of a volume mesh move to where their cells have better shapes.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "burnish/volume/volume_mesh.h"
+
+namespace burnish {
+
+// Moves the points that are `free`, one after the other, towards the mean of what their cells' other corners would have them, if the worst shape of these cells gets better by it; `sweeps` times.
+// [T-HEX-7] The shape of a cell is the least mean ratio, 12 (3 V)^(2/3) / sum of l^2, of the tetrahedra at its corners. Points of polyhedra stay. The same bits always: one thread.
+void relax(VolumeMesh& mesh, const std::vector<std::uint8_t>& free, int sweeps);
+
+}  // namespace burnish
