@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <cstring>
 #include <span>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -24,6 +25,9 @@ std::string_view vtk_name(NumberType type);
 std::size_t size_of(NumberType type);
 // Converts to the type's bytes.
 void pack(NumberType type, const double* values, std::size_t count, char* bytes);
+
+// The text of a .vtu up to its first array.
+std::string vtu_opening(std::size_t points, std::size_t cells);
 
 // Morton order of points with coordinates of up to 21 bits.
 std::uint64_t morton_key(const LatticePoint& p);

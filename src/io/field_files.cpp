@@ -56,6 +56,13 @@ void pack(NumberType type, const double* values, std::size_t count, char* bytes)
   }
 }
 
+std::string vtu_opening(std::size_t points, std::size_t cells) {
+  return fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
+                     "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n  <UnstructuredGrid>\n"
+                     "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n",
+                     points, cells);
+}
+
 std::uint64_t morton_key(const LatticePoint& p) {
   const auto bits = [](std::int32_t v) { return spread(static_cast<std::uint64_t>(v)); };
   return bits(p[0]) | bits(p[1]) << 1 | bits(p[2]) << 2;

@@ -1,28 +1,16 @@
 // volScalarFields: taken apart, changed and written.
-#include <fcntl.h>
 #include <fmt/format.h>
-#include <unistd.h>
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <cctype>
-#include <cerrno>
-#include <charconv>
-#include <cstring>
 
 #include "burnish/io/foam_case.h"
-#include "fd_writer.h"
 #include "foam_file.h"
+#include "packed_writer.h"
 
 namespace burnish {
 namespace {
-
-constexpr std::array<std::string_view, 16> kConstraints{"empty", "wedge", "symmetry", "symmetryPlane", "cyclic", "cyclicAMI", "cyclicACMI", "cyclicSlip",
-                                                         "nonuniformTransformCyclic", "processor", "processorCyclic", "overset", "cyclicPeriodicAMI",
-                                                         "nonConformalCyclic", "nonConformalError", "nonConformalProcessorCyclic"};
-
-bool is_constraint(std::string_view type) { return std::find(kConstraints.begin(), kConstraints.end(), type) != kConstraints.end(); }
 
 std::string_view view(const char* from, const char* to) { return {from, static_cast<std::size_t>(to - from)}; }
 
@@ -83,66 +71,16 @@ std::string condition_with(const FoamField& field, const std::string& body, doub
   return result + "\n    ";
 }
 
-// Bytes to a file, gzipped if asked to.
-class FieldSink {
- public:
-  FieldSink(const OutputFile& file, bool compressed) : label_(file.destination()), out_(file.fd(), label_), compressed_(compressed) {
-    if (compressed_ && deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-      throw Error(ErrorCode::unwritable_output, label_ + ": cannot be compressed");
-  }
-  ~FieldSink() {
-    if (compressed_) deflateEnd(&stream_);
-  }
-  FieldSink(const FieldSink&) = delete;
-  FieldSink& operator=(const FieldSink&) = delete;
-
-  void put(std::string_view bytes) { compressed_ ? squeeze(bytes, Z_NO_FLUSH) : out_.put(bytes); }
-  void finish() {
-    if (compressed_) squeeze({}, Z_FINISH);
-    out_.flush();
-  }
-
- private:
-  void squeeze(std::string_view bytes, int flush) {
-    stream_.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
-    stream_.avail_in = static_cast<uInt>(bytes.size());
-    do {
-      char* to = out_.reserve(FdWriter::kLargest);
-      stream_.next_out = reinterpret_cast<Bytef*>(to);
-      stream_.avail_out = FdWriter::kLargest;
-      deflate(&stream_, flush);
-      out_.commit(FdWriter::kLargest - stream_.avail_out);
-    } while (stream_.avail_out == 0);
-  }
-
-  std::string label_;
-  FdWriter out_;
-  bool compressed_;
-  z_stream stream_{};
-};
-
-constexpr std::size_t kChunk = std::size_t{1} << 16;
-
-void put_text(FieldSink& sink, const std::vector<double>& values) {
-  std::string chunk;
+void put_text(PackedWriter& out, const std::vector<double>& values) {
   for (const double v : values) {
-    std::array<char, 32> digits;
-    chunk.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), v).ptr);
-    chunk += '\n';
-    if (chunk.size() > kChunk) sink.put(chunk), chunk.clear();
+    out.put_number(v);
+    out.put("\n");
   }
-  sink.put(chunk);
 }
 
 template <class Scalar>
-void put_binary(FieldSink& sink, const std::vector<double>& values) {
-  std::vector<Scalar> chunk;
-  for (std::size_t begin = 0; begin < values.size(); begin += kChunk) {
-    const std::size_t end = std::min(values.size(), begin + kChunk);
-    chunk.assign(end - begin, 0);
-    std::transform(values.begin() + static_cast<std::ptrdiff_t>(begin), values.begin() + static_cast<std::ptrdiff_t>(end), chunk.begin(), [](double v) { return static_cast<Scalar>(v); });
-    sink.put({reinterpret_cast<const char*>(chunk.data()), chunk.size() * sizeof(Scalar)});
-  }
+void put_binary(PackedWriter& out, const std::vector<double>& values) {
+  for (const double v : values) out.put_raw(static_cast<Scalar>(v));
 }
 
 }  // namespace
@@ -174,10 +112,7 @@ FoamField read_foam_field(const std::string& path) {
 FoamField new_foam_field(const std::string& object, const std::string& dimensions, const std::vector<MeshPatch>& patches, const FoamFormat& format) {
   FoamField field;
   field.format = format;
-  const std::string arch = format.binary ? fmt::format("    arch        \"LSB;label={};scalar={}\";\n", 8 * format.label_bytes, 8 * format.scalar_bytes) : "";
-  field.before = fmt::format("FoamFile\n{{\n    version     2.0;\n    format      {};\n{}    class       volScalarField;\n    object      {};\n}}\n\n"
-                             "dimensions      {};\n\ninternalField",
-                             format.binary ? "binary" : "ascii", arch, object, dimensions);
+  field.before = fmt::format("{}\ndimensions      {};\n\ninternalField", foam_header_text("volScalarField", object, format), dimensions);
   field.after = ";\n\nboundaryField\n{\n";
   for (const MeshPatch& p : patches) {
     field.after += fmt::format("    {}\n    {{\n        type            {};\n    }}\n", p.name, is_constraint(p.type) ? p.type : "zeroGradient");
@@ -209,7 +144,7 @@ void set_patch_value(FoamField& field, const std::string& patch, const std::vect
 }
 
 void write_foam_field(OutputFile& file, const FoamField& field, const std::vector<double>& values) {
-  FieldSink sink(file, field.format.compressed);
+  PackedWriter sink(file, field.format.compressed);
   sink.put(field.before);
   const bool uniform = !values.empty() && std::all_of(values.begin(), values.end(), [&](double v) { return v == values.front(); });
   if (uniform) {

@@ -4,6 +4,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
 #include <cstring>
@@ -258,6 +259,19 @@ FoamHeader foam_header(Source& source, bool compressed) {
   if (const FoamEntry* e = find_entry(entries, "arch")) read_arch(source, e->value, header.format);
   source.is_text = !header.format.binary;
   return header;
+}
+
+std::string foam_header_text(std::string_view class_name, std::string_view object, const FoamFormat& format, std::string_view entries) {
+  const std::string arch = format.binary ? fmt::format("    arch        \"LSB;label={};scalar={}\";\n", 8 * format.label_bytes, 8 * format.scalar_bytes) : "";
+  return fmt::format("FoamFile\n{{\n    version     2.0;\n    format      {};\n{}    class       {};\n{}    object      {};\n}}\n", format.binary ? "binary" : "ascii", arch, class_name, entries,
+                     object);
+}
+
+bool is_constraint(std::string_view patch_type) {
+  constexpr std::array<std::string_view, 16> kConstraints{"empty", "wedge", "symmetry", "symmetryPlane", "cyclic", "cyclicAMI", "cyclicACMI", "cyclicSlip",
+                                                          "nonuniformTransformCyclic", "processor", "processorCyclic", "overset", "cyclicPeriodicAMI",
+                                                          "nonConformalCyclic", "nonConformalError", "nonConformalProcessorCyclic"};
+  return std::find(kConstraints.begin(), kConstraints.end(), patch_type) != kConstraints.end();
 }
 
 // --- FoamScanner

@@ -54,6 +54,10 @@ struct FoamHeader {
 };
 // The dictionary FoamFile that a file begins with. Throws Error{unreadable_input} if there is none, or if its bytes are not ours.
 FoamHeader foam_header(Source& source, bool compressed);
+// The same as text, for a new file. `entries`: further lines of it, each with its end.
+std::string foam_header_text(std::string_view class_name, std::string_view object, const FoamFormat& format, std::string_view entries = {});
+// Types of patches that fields have no choice at: their conditions have the same name.
+bool is_constraint(std::string_view patch_type);
 
 // Numbers, punctuation and lists, one after the other.
 class FoamScanner {

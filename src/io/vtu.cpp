@@ -1,5 +1,3 @@
-#include <fmt/format.h>
-
 #include <bit>
 
 #include "cell_stream.h"
@@ -96,10 +94,7 @@ class VtuWriter {
   }
 
   void put_head() {
-    out_.text(fmt::format("<?xml version=\"1.0\"?>\n<VTKFile type=\"UnstructuredGrid\" version=\"1.0\" byte_order=\"LittleEndian\" "
-                          "header_type=\"UInt64\" compressor=\"vtkZLibDataCompressor\">\n  <UnstructuredGrid>\n"
-                          "    <Piece NumberOfPoints=\"{}\" NumberOfCells=\"{}\">\n      <PointData>\n",
-                          points_.size(), grid_.count));
+    out_.text(vtu_opening(points_.size(), grid_.count) + "      <PointData>\n");
     for (const auto& array : grid_.point_arrays) out_.announce(vtk_name(array.type), array.name, points_.size());
     out_.text("      </PointData>\n      <CellData>\n");
     for (const auto& array : grid_.cell_arrays) out_.announce(vtk_name(array.type), array.name, grid_.count);

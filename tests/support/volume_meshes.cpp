@@ -302,4 +302,118 @@ PolyhedralMesh dual_polyhedra(const Grid& grid, double jitter, std::uint32_t see
   return Dual(points, tets).mesh();
 }
 
+namespace {
+
+CellLoops loops_of(const ShapedCell& cell) {
+  if (cell.shape == CellShape::polyhedron) return cell.faces;
+  CellLoops loops;
+  for (const std::array<int, 4>& face : faces_of_shape(cell.shape)) {
+    loops.emplace_back();
+    for (const int i : face)
+      if (i >= 0) loops.back().push_back(cell.corners[static_cast<std::size_t>(i)]);
+  }
+  return loops;
+}
+
+std::vector<std::uint32_t> distinct_points(const CellLoops& loops) {
+  std::vector<std::uint32_t> points;
+  for (const auto& loop : loops) points.insert(points.end(), loop.begin(), loop.end());
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+  return points;
+}
+
+// Boundary faces by patch, then by owner.
+void sort_into_patches(PolyhedralMesh& mesh, std::vector<MeshPatch> patches, const std::function<std::size_t(const Vec3&)>& patch_of) {
+  std::vector<std::tuple<std::size_t, std::uint32_t, std::size_t>> order;
+  for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f) order.emplace_back(patch_of(face_middle(mesh, f)), mesh.owner[f], f);
+  std::sort(order.begin(), order.end());
+  const PolyhedralMesh old = mesh;
+  mesh.face_start.resize(mesh.internal_faces() + 1);
+  mesh.face_points.resize(mesh.face_start.back());
+  mesh.owner.resize(mesh.internal_faces());
+  for (MeshPatch& p : patches) p.faces = 0;
+  for (const auto& [patch, owner, f] : order) {
+    const auto face = old.face(f);
+    mesh.face_points.insert(mesh.face_points.end(), face.begin(), face.end());
+    mesh.face_start.push_back(mesh.face_points.size());
+    mesh.owner.push_back(owner);
+    ++patches[patch].faces;
+  }
+  auto next = static_cast<std::uint32_t>(mesh.internal_faces());
+  for (MeshPatch& p : patches) p.first_face = std::exchange(next, next + p.faces);
+  mesh.patches = std::move(patches);
+}
+
+}  // namespace
+
+VolumeMesh volume_mesh_of(std::vector<Vec3> points, const std::vector<ShapedCell>& cells, std::vector<MeshPatch> patches, const std::function<std::size_t(const Vec3&)>& patch_of) {
+  VolumeMesh result;
+  std::vector<CellLoops> loops;
+  result.first.push_back(0);
+  for (const ShapedCell& cell : cells) {
+    loops.push_back(loops_of(cell));
+    const auto corners = cell.shape == CellShape::polyhedron ? distinct_points(loops.back()) : cell.corners;
+    result.shape.push_back(cell.shape);
+    result.corners.insert(result.corners.end(), corners.begin(), corners.end());
+    result.first.push_back(result.corners.size());
+  }
+  result.mesh = mesh_of_cells(std::move(points), loops);
+  sort_into_patches(result.mesh, std::move(patches), patch_of);
+  return result;
+}
+
+VolumeMesh mixed_cells(bool with_polyhedron) {
+  using enum CellShape;
+  // Point (i, y, z) of the row's cross sections is 4 i + y + 2 z; then the middle of the third cube; then what is on top of the first.
+  std::vector<Vec3> points;
+  const int sections = with_polyhedron ? 5 : 4;
+  for (int i = 0; i < sections; ++i)
+    for (int b = 0; b < 4; ++b) points.push_back({double(i), double(b & 1), double(b >> 1)});
+  const auto at = [](int i, int y, int z) { return static_cast<std::uint32_t>(4 * i + y + 2 * z); };
+  const auto middle = static_cast<std::uint32_t>(points.size());
+  points.push_back({2.5, 0.5, 0.5});
+  for (int b = 0; b < 4; ++b) points.push_back({double(b & 1), double(b >> 1), 2});
+  const auto top = [&](int x, int y) { return middle + 1 + static_cast<std::uint32_t>(x + 2 * y); };
+  const auto cube = [&](int i) -> std::vector<std::uint32_t> {
+    return {at(i, 0, 0), at(i + 1, 0, 0), at(i + 1, 1, 0), at(i, 1, 0), at(i, 0, 1), at(i + 1, 0, 1), at(i + 1, 1, 1), at(i, 1, 1)};
+  };
+  std::vector<ShapedCell> cells{{hexahedron, cube(0), {}}, {hexahedron, cube(1), {}}};
+  const auto c = cube(2);
+  for (const auto& face : faces_of_shape(hexahedron)) {
+    const auto p = [&](int i) { return c[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])]; };
+    if (face == std::array<int, 4>{1, 2, 6, 5}) continue;  // towards the fourth cube
+    cells.push_back({pyramid, {p(3), p(2), p(1), p(0), middle}, {}});
+  }
+  cells.push_back({tetrahedron, {c[6], c[2], c[1], middle}, {}});
+  cells.push_back({tetrahedron, {c[5], c[6], c[1], middle}, {}});
+  // Triangles across y, the first one's normal away from the other; the lower wedge stands on the cube's face.
+  cells.push_back({wedge, {at(0, 0, 1), at(1, 0, 1), top(0, 0), at(0, 1, 1), at(1, 1, 1), top(0, 1)}, {}});
+  cells.push_back({wedge, {at(1, 0, 1), top(1, 0), top(0, 0), at(1, 1, 1), top(1, 1), top(0, 1)}, {}});
+  if (with_polyhedron) {
+    CellLoops loops = loops_of({hexahedron, cube(3), {}});
+    std::erase_if(loops, [&](const auto& loop) { return std::all_of(loop.begin(), loop.end(), [&](std::uint32_t p) { return p / 4 == 3; }); });
+    loops.push_back({c[6], c[2], c[1]});
+    loops.push_back({c[5], c[6], c[1]});
+    for (auto it = loops.end() - 2; it != loops.end(); ++it) std::reverse(it->begin(), it->end());
+    cells.push_back({polyhedron, {}, loops});
+  }
+  const double end = sections - 1;
+  return volume_mesh_of(std::move(points), cells, {{"floor", "wall"}, {"xMin", "patch"}, {"xMax", "patch"}, {"rest", "wall"}}, [&](const Vec3& p) -> std::size_t {
+    return p.z == 0 ? 0 : p.x == 0 ? 1 : p.x == end ? 2 : 3;
+  });
+}
+
+VolumeMesh hexahedral_volume(const Grid& grid) {
+  std::vector<ShapedCell> cells;
+  for_each_cell(grid, [&](int i, int j, int k) {
+    const auto c = corners_of(grid, i, j, k);
+    cells.push_back({CellShape::hexahedron, {c[0], c[1], c[3], c[2], c[4], c[5], c[7], c[6]}, {}});
+  });
+  const Vec3 h = grid.spacing();
+  return volume_mesh_of(grid_points(grid), cells, {{"xMin", "patch"}, {"xMax", "patch"}, {"walls", "wall"}}, [&](const Vec3& p) -> std::size_t {
+    return p.x < grid.lower.x + h.x / 4 ? 0 : p.x > grid.upper.x - h.x / 4 ? 1 : 2;
+  });
+}
+
 }  // namespace burnish::test

@@ -1,0 +1,34 @@
+#include "patch_names.h"
+
+#include <fmt/format.h>
+
+#include <set>
+#include <string_view>
+
+namespace burnish {
+namespace {
+
+bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80; }
+
+std::string plain(const std::string& name) {
+  std::string result = name;
+  for (char& c : result)
+    if (!is_letter(c) && !(c >= '0' && c <= '9') && std::string_view("_-+.").find(c) == std::string_view::npos) c = '_';
+  return result.empty() || !(is_letter(result[0]) || result[0] == '_') ? "_" + result : result;
+}
+
+}  // namespace
+
+std::vector<std::string> patch_names(const std::vector<MeshPatch>& patches) {
+  std::vector<std::string> names;
+  std::set<std::string> taken;
+  for (const MeshPatch& patch : patches) {
+    const std::string name = plain(patch.name);
+    std::string free = name;
+    for (int i = 2; !taken.insert(free).second; ++i) free = fmt::format("{}_{}", name, i);
+    names.push_back(free);
+  }
+  return names;
+}
+
+}  // namespace burnish
