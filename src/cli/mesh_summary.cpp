@@ -65,6 +65,7 @@ std::string patch_lines(const FlowMeshResult& r) {
 std::string check_lines(const FlowMeshResult& r) {
   std::string text = line("quality", r.quality.ok ? "passes checkMesh -allTopology -allGeometry" : r.quality.plain_ok ? "passes checkMesh, but not with -allTopology -allGeometry" : "does not pass checkMesh");
   for (const MeshCheck& c : r.quality.checks) {
+    if (c.measured == 0) continue;
     const std::string mean = c.mean != 0 ? fmt::format(", mean {:.4g}", c.mean) : "";
     const std::string failing = c.failing > 0 ? fmt::format(": {}{}", c.failing, c.passed ? "" : " FAIL") : "";
     text += line("  " + c.name, fmt::format("{:.4g}{} (limit {:.4g}){}", c.worst, mean, c.limit, failing));

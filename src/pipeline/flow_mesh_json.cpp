@@ -8,10 +8,13 @@ using burnish::json_of;
 
 constexpr const char* kShapeNames[kCellShapes] = {"tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra"};
 
+Json or_null(const MeshCheck& check, double value) { return check.measured > 0 ? Json(value) : Json(); }
+
 Json checks_of(const MeshQuality& q) {
   Json list = Json::array();
   for (const MeshCheck& c : q.checks)
-    list.push_back({{"name", c.name}, {"all_geometry", c.all_geometry}, {"limit", c.limit}, {"worst", c.worst}, {"mean", c.mean}, {"failing", c.failing}, {"passed", c.passed}});
+    list.push_back({{"name", c.name}, {"all_geometry", c.all_geometry}, {"warns", c.warns}, {"limit", c.limit}, {"worst", or_null(c, c.worst)}, {"best", or_null(c, c.best)},
+                    {"mean", or_null(c, c.mean)}, {"measured", c.measured}, {"failing", c.failing}, {"passed", c.passed}});
   return list;
 }
 
@@ -23,21 +26,21 @@ Json places_of(const std::vector<BadPlace>& places) {
 
 Json shapes_of(const MeshQuality& q) {
   Json shapes = Json::object();
-  for (std::size_t s = 0; s < kCellShapes; ++s)
-    shapes[kShapeNames[s]] = {{"cells", q.cells_of_shape[s]}, {"volume", q.volume_of_shape[s]}, {"share_of_volume", q.volume > 0 ? q.volume_of_shape[s] / q.volume : 0}};
+  for (std::size_t s = 0; s < kCellShapes; ++s) {
+    const bool has_angles = q.cells_of_shape[s] > 0 && s != static_cast<std::size_t>(CellShape::polyhedron);
+    shapes[kShapeNames[s]] = {{"cells", q.cells_of_shape[s]}, {"volume", q.volume_of_shape[s]}, {"share_of_volume", q.volume > 0 ? q.volume_of_shape[s] / q.volume : 0},
+                              {"least_dihedral", has_angles ? Json(q.least_dihedral_of_shape[s]) : Json()}, {"greatest_dihedral", has_angles ? Json(q.greatest_dihedral_of_shape[s]) : Json()}};
+  }
   return shapes;
 }
 
 Json quality_of(const FlowMeshResult& r) {
   if (!r.meshed) return nullptr;
   const MeshQuality& q = r.quality;
-  const bool has_tetrahedra = q.cells_of_shape[static_cast<std::size_t>(CellShape::tetrahedron)] > 0;
   return {{"promise_holds", r.good},
           {"ok", q.ok},
           {"plain_ok", q.plain_ok},
           {"regions", q.regions},
-          {"least_dihedral", has_tetrahedra ? Json(q.least_dihedral) : Json()},
-          {"greatest_dihedral", has_tetrahedra ? Json(q.greatest_dihedral) : Json()},
           {"checks", checks_of(q)},
           {"bad_cells", places_of(r.bad_places)}};
 }

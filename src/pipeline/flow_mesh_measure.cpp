@@ -54,13 +54,20 @@ Vec3 middle_of(const VolumeMesh& mesh, std::size_t cell) {
   return sum / static_cast<double>(mesh.cell(cell).size());
 }
 
+// A cell is listed under the first check that it fails: those that never fail a mesh are not to be in the way.
+MeshQualityLimits failing_limits() {
+  MeshQualityLimits limits;
+  limits.non_orthogonality = 90, limits.flatness = 0, limits.concave_degrees = 180;
+  return limits;
+}
+
 // Of the checks that fail, by check, then by cell.
 std::vector<BadPlace> places_of(const VolumeMesh& mesh, const MeshQuality& quality, const std::vector<BadCell>& bad) {
   std::vector<BadPlace> places;
   for (const MeshCheck& check : quality.checks) {
     std::size_t listed = 0;
     for (const BadCell& b : bad)
-      if (!check.passed && b.check == check.name && listed++ < kMostPlaces) places.push_back({b.check, b.cell, b.value, middle_of(mesh, b.cell)});
+      if (!check.passed && b.check == check.name && listed++ < kMostPlaces) places.push_back({std::string(b.check), b.cell, b.value, middle_of(mesh, b.cell)});
   }
   return places;
 }
@@ -99,7 +106,7 @@ void judge_quality(const VolumeMesh& mesh, FlowMeshResult& result, Progress& pro
   result.quality = mesh_quality(mesh, {}, progress);
   const MeshQuality& q = result.quality;
   result.good = result.flavour == MeshFlavour::conforming ? q.ok : q.plain_ok;
-  if (std::any_of(q.checks.begin(), q.checks.end(), [](const MeshCheck& c) { return !c.passed; })) result.bad_places = places_of(mesh, q, bad_cells(mesh, {}, progress));
+  if (q.failed > 0) result.bad_places = places_of(mesh, q, bad_cells(mesh, failing_limits(), progress));
   if (q.regions != result.regions_wanted)
     result.warnings.push_back(fmt::format("the mesh has {} connected regions, and {} would be right: {}; a smaller --cell resolves more", q.regions, result.regions_wanted,
                                           q.regions < result.regions_wanted ? "a part is thinner than a cell, or two parts are closer" : "a part is pinched where it is thinner than a cell"));

@@ -4,53 +4,33 @@
 
 #include <algorithm>
 #include <iterator>
-#include <set>
 
 #include "burnish/core/error.h"
 #include "burnish/surface/weld.h"
+#include "../io/patch_names.h"
 
 namespace burnish {
 namespace {
 
 constexpr std::string_view kNameless = "surface";
 
-bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; }
-bool is_digit(char c) { return c >= '0' && c <= '9'; }
-bool is_of_word(char c) { return is_letter(c) || is_digit(c) || c == '.' || c == '-' || c == '+'; }
-
-std::string unique(const std::string& word, std::set<std::string>& taken) {
-  std::string name = word;
-  for (int i = 2; !taken.insert(name).second; ++i) name = fmt::format("{}_{}", word, i);
-  return name;
-}
-
 }  // namespace
-
-std::string foam_word(std::string_view text) {
-  std::string word;
-  for (const char c : text) {
-    // Of a run of others, such as the bytes of one letter, one stays.
-    if (is_of_word(c))
-      word += c;
-    else if (word.empty() || word.back() != '_')
-      word += '_';
-  }
-  while (word.size() > 1 && word.back() == '_') word.pop_back();
-  if (word.empty() || word == "_") return std::string(kNameless);
-  return is_letter(word.front()) ? word : "_" + word;
-}
 
 SurfacePatches surface_patches(const TriangleSoup& soup, bool one) {
   if (one || soup.groups.empty()) return {{}, {std::string(kNameless)}, {""}};
   SurfacePatches patches;
-  std::set<std::string> taken(std::begin(kDomainPatches), std::end(kDomainPatches));
   patches.of_facet.resize(soup.facets.size());
+  // The domain's names come first, so that no other gets one of them.
+  std::vector<MeshPatch> named;
+  for (const std::string_view name : kDomainPatches) named.push_back({std::string(name), "patch"});
   for (const FacetGroup& group : soup.groups) {
     const auto first = patches.of_facet.begin() + group.first_facet;
-    std::fill(first, first + group.facet_count, static_cast<std::uint32_t>(patches.names.size()));
-    patches.names.push_back(unique(foam_word(group.name), taken));
+    std::fill(first, first + group.facet_count, static_cast<std::uint32_t>(patches.groups.size()));
+    named.push_back({group.name.empty() ? std::string(kNameless) : group.name, "wall"});
     patches.groups.push_back(group.name);
   }
+  patches.names = patch_names(named);
+  patches.names.erase(patches.names.begin(), patches.names.begin() + std::size(kDomainPatches));
   return patches;
 }
 

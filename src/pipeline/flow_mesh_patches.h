@@ -24,9 +24,6 @@ struct SurfacePatches {
 // One for each group of the soup, or one for all if it has none, or `one`.
 SurfacePatches surface_patches(const TriangleSoup& soup, bool one);
 
-// A word of OpenFOAM that resembles `text`: letters, digits, and _ . - +; others become _. It begins with a letter or _, and is not empty.
-std::string foam_word(std::string_view text);
-
 // Gives patches their types. Throws Error{usage} for a patch that does not exist, naming those that do.
 void set_patch_types(const std::vector<std::pair<std::string, std::string>>& types, std::vector<MeshPatch>& patches);
 
