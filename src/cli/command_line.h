@@ -27,6 +27,7 @@ struct Option {
   std::string_view group;  // its heading in help; options of a group stand together
   std::string_view help;
   Setter set;
+  bool repeatable = false;  // may be given more than once, each time with another value
 };
 
 // An argument without a name of its own. Every operand is required.
@@ -62,7 +63,7 @@ class Command {
 // Understood: `--name value`, `--name=value`, `-n value`, `-nvalue`, switches run together (`-qv`), and
 // `--`, after which everything is an operand. A lone `-` is an operand or a value.
 // Throws Error{usage} for unknown options (suggesting the nearest), missing or surplus values, options
-// given twice, and operands too many or too few.
+// given twice that are not repeatable, and operands too many or too few.
 void parse(const CommandLine& line, const std::vector<std::string>& arguments);
 
 // The full help of a command, at most 80 columns wide.

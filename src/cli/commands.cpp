@@ -18,6 +18,7 @@ const std::vector<CommandEntry>& commands() {
       {"compare", "say how far two surfaces are from each other", make_compare_command},
       {"field", "build the level set on its octree: report, check and export it", make_field_command},
       {"curvature", "take the curvatures of the surface: report and export them", make_curvature_command},
+      {"mesh", "fill the inside or the outside with cells for flow simulation", make_mesh_command},
       {"ic", "write volume fractions onto the mesh of an OpenFOAM case", make_ic_command},
       {"example", "make a dirty model to try things on", make_example_command},
   };

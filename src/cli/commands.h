@@ -18,6 +18,7 @@ std::unique_ptr<Command> make_compare_command();  // burnish compare A B
 std::unique_ptr<Command> make_field_command();    // burnish field FILE
 std::unique_ptr<Command> make_curvature_command();  // burnish curvature FILE
 std::unique_ptr<Command> make_ic_command();       // burnish ic IN --case CASE
+std::unique_ptr<Command> make_mesh_command();     // burnish mesh IN -o CASE
 std::unique_ptr<Command> make_example_command();  // burnish example SHAPE -o FILE
 
 struct CommandEntry {

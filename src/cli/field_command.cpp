@@ -145,7 +145,7 @@ class FieldCommand : public Command {
          "Only distances up to W, such as 3h or 0.1: cells within it (.vtu), values that end there (.htg, .vti, .nrrd), half the band of a .vdb (3h when not given).",
          of_content([&c](const GivenValue& v) { c.narrow_band = positive_length(v); }, [](FieldFormat) { return true; }, "a file")},
         {"--box", 0, "BOX", "Output", "What a .vti or .nrrd covers, xmin,ymin,zmin,xmax,ymax,zmax; the model and 5 % around it when not given.",
-         of_samples([&c](const GivenValue& v) { c.box = box(v); })},
+         of_samples([&c](const GivenValue& v) { c.box = box_of(v); })},
         {"--samples", 0, "N", "Output", "Nodes of a .vti or .nrrd along its longest side (2 to 100000).",
          of_samples([&c](const GivenValue& v) { c.samples = static_cast<int>(integer_within(v, 2, 100'000)); })},
         {"--spacing", 0, "L", "Output", "Distance between nodes of a .vti or .nrrd; that of the finest cells when not given.",
@@ -191,38 +191,12 @@ class FieldCommand : public Command {
     };
   }
 
-  static std::vector<std::string_view> parts(std::string_view list) {
-    std::vector<std::string_view> result;
-    for (std::size_t comma = list.find(','); comma != std::string_view::npos; comma = list.find(',')) {
-      result.push_back(list.substr(0, comma));
-      list.remove_prefix(comma + 1);
-    }
-    result.push_back(list);
-    return result;
-  }
-
   static std::vector<FieldArray> arrays(const GivenValue& v) {
     std::vector<std::string> words;
     for (std::size_t a = 0; a < kFieldArrays; ++a) words.emplace_back(name(static_cast<FieldArray>(a)));
     std::vector<FieldArray> chosen;
-    for (const std::string_view word : parts(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word}, words));
+    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word}, words));
     return chosen;
-  }
-
-  static Box3 box(const GivenValue& v) {
-    std::vector<double> numbers;
-    for (const std::string_view part : parts(v.text)) {
-      const bool negative = part.starts_with('-');
-      const double size = non_negative_number({v.name, part.substr(negative ? 1 : 0)});
-      numbers.push_back(negative ? -size : size);
-    }
-    const auto refuse = [&](const char* expected) { throw Error(ErrorCode::usage, fmt::format("{} {}: expected {}", v.name, v.text, expected), "for example --box 0,0,0,10,10,20"); };
-    if (numbers.size() != 6) refuse("six numbers, xmin,ymin,zmin,xmax,ymax,zmax");
-    Box3 result;
-    result.lower = {numbers[0], numbers[1], numbers[2]}, result.upper = {numbers[3], numbers[4], numbers[5]};
-    for (int a = 0; a < 3; ++a)
-      if (result.lower[a] > result.upper[a]) refuse("lower corners first");
-    return result;
   }
 
   static double band(const GivenValue& v) {

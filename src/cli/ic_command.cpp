@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <string>
 #include <string_view>
 
@@ -101,14 +100,7 @@ class IcCommand : public Command {
 
   static std::vector<PatchValue> patch_values(const GivenValue& v) {
     std::vector<PatchValue> values;
-    for (std::size_t begin = 0; begin <= v.text.size();) {
-      const std::size_t comma = std::min(v.text.find(',', begin), v.text.size());
-      const std::string_view part = v.text.substr(begin, comma - begin);
-      const std::size_t equals = part.rfind('=');
-      if (equals == part.npos || equals == 0) throw Error(ErrorCode::usage, fmt::format("{} {}: expected NAME=V, found '{}'", v.name, v.text, part), "for example inlet=1,outlet=0");
-      values.push_back({std::string(part.substr(0, equals)), non_negative_number({v.name, part.substr(equals + 1)})});
-      begin = comma + 1;
-    }
+    for (const auto& [name, text] : named_values(v, "inlet=1,outlet=0")) values.push_back({name, non_negative_number({v.name, text})});
     return values;
   }
 

@@ -86,7 +86,7 @@ class Parser {
 
   void apply(const Option& option, std::string_view value) {
     const bool first = seen_.insert(option.name).second;
-    if (!first && !option.value.empty()) refuse(fmt::format("{} is given twice", option.name), "");
+    if (!first && !option.value.empty() && !option.repeatable) refuse(fmt::format("{} is given twice", option.name), "");
     option.set({option.name, value});
   }
 

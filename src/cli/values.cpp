@@ -106,6 +106,38 @@ std::uint64_t byte_count(const GivenValue& given) {
   return *bytes;
 }
 
+std::vector<std::string_view> parts_of(std::string_view list) {
+  std::vector<std::string_view> result;
+  for (std::size_t comma = list.find(','); comma != std::string_view::npos; comma = list.find(',')) {
+    result.push_back(list.substr(0, comma));
+    list.remove_prefix(comma + 1);
+  }
+  result.push_back(list);
+  return result;
+}
+
+Box3 box_of(const GivenValue& given) {
+  std::vector<double> numbers;
+  for (const std::string_view part : parts_of(given.text)) numbers.push_back(finite_number({given.name, part}));
+  const auto refuse_box = [&](std::string_view expected) { refuse(given, fmt::format("expected {}", expected), "for example 0,0,0,10,10,20"); };
+  if (numbers.size() != 6) refuse_box("six numbers, xmin,ymin,zmin,xmax,ymax,zmax");
+  Box3 result;
+  result.lower = {numbers[0], numbers[1], numbers[2]}, result.upper = {numbers[3], numbers[4], numbers[5]};
+  for (int a = 0; a < 3; ++a)
+    if (result.lower[a] > result.upper[a]) refuse_box("lower corners first");
+  return result;
+}
+
+std::vector<std::pair<std::string, std::string_view>> named_values(const GivenValue& given, std::string_view example) {
+  std::vector<std::pair<std::string, std::string_view>> values;
+  for (const std::string_view part : parts_of(given.text)) {
+    const std::size_t equals = part.rfind('=');
+    if (equals == part.npos || equals == 0) refuse(given, fmt::format("expected NAME=V, found '{}'", part), fmt::format("for example {}", example));
+    values.emplace_back(std::string(part.substr(0, equals)), part.substr(equals + 1));
+  }
+  return values;
+}
+
 Setter switch_on(bool& flag) {
   return [&flag](const GivenValue&) { flag = true; };
 }

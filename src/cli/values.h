@@ -7,9 +7,12 @@
 #include <cstddef>
 #include <cstdint>
 #include <string>
+#include <string_view>
+#include <utility>
 #include <vector>
 
 #include "burnish/core/length.h"
+#include "burnish/core/vec.h"
 #include "burnish/pipeline/options.h"
 #include "command_line.h"
 
@@ -39,6 +42,12 @@ double non_negative_number(const GivenValue& given);
 double positive_number(const GivenValue& given);
 // A number of bytes such as 800M or 4G.
 std::uint64_t byte_count(const GivenValue& given);
+// xmin,ymin,zmin,xmax,ymax,zmax.
+Box3 box_of(const GivenValue& given);
+// What stands between commas, one part or more.
+std::vector<std::string_view> parts_of(std::string_view list);
+// NAME=V,NAME=V: names and the texts of values. `example` is for the hint.
+std::vector<std::pair<std::string, std::string_view>> named_values(const GivenValue& given, std::string_view example);
 
 // Setters that only store.
 Setter switch_on(bool& flag);

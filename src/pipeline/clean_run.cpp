@@ -472,15 +472,23 @@ void CleanRun::publish() {
   if (report_.failure && !job_.allow_invalid) return;
   if (report_.after.facets == 0 || output_->is_scratch()) return;
   begin("writing");
-  if (!input_.groups.empty() || !input_.colors.empty()) decorate();
+  if (!input_.groups.empty() || !input_.colors.empty()) {
+    name_result();
+    output_->write_and_read_back(result_);
+  }
   output_->publish();
   report_.written = true;
 }
 
-void CleanRun::decorate() {
+TriangleSoup CleanRun::take_named_result() {
+  name_result();
+  return take_result();
+}
+
+void CleanRun::name_result() {
+  if (input_.groups.empty() && input_.colors.empty()) return;
   const bool all_known = !sources_.empty() && std::find(sources_.begin(), sources_.end(), kNoFacet) == sources_.end();
   transfer_attributes(input_, TriangleIndex(all_known ? TriangleSoup{} : input_), result_, sources_);
-  output_->write_and_read_back(result_);
 }
 
 }  // namespace burnish

@@ -35,6 +35,8 @@ class CleanRun : private SolidRun {
 
   // The surface as written and read back, welded.
   TriangleSoup take_result() { return std::move(result_); }
+  // The same with the names and colours of the input.
+  TriangleSoup take_named_result();
   // To be called last.
   RepairReport take_report();
 
@@ -90,7 +92,7 @@ class CleanRun : private SolidRun {
   void compare_topology();
   void publish();
   // The result with the input's names and colours: the same facets, in another order.
-  void decorate();
+  void name_result();
 
   CleanJob job_;
   CleanOptions options_;  // the job's, with what was chosen for it

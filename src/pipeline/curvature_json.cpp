@@ -55,11 +55,6 @@ Json output_of(const CurvatureFile& o) {
   return {{"file", o.file}, {"format", o.format}, {"written", o.written}, {"bytes", o.bytes}};
 }
 
-Json failure_of(const std::optional<Error>& e) {
-  if (!e) return nullptr;
-  return {{"code", name(e->code())}, {"exit_code", exit_code(e->code())}, {"message", e->what()}, {"hint", e->hint()}};
-}
-
 Json options_of(const CurvatureResult& r) {
   return {
       {"cell", r.options.cell},

@@ -11,11 +11,6 @@ Json or_null(const std::optional<T>& value) {
   return value ? Json(*value) : Json();
 }
 
-Json failure_of(const std::optional<Error>& e) {
-  if (!e) return nullptr;
-  return {{"code", name(e->code())}, {"exit_code", exit_code(e->code())}, {"message", e->what()}, {"hint", e->hint()}};
-}
-
 Json mesh_of(const CaseMesh& m) {
   Json patches = Json::array();
   for (const CaseMesh::Patch& p : m.patches) patches.push_back({{"name", p.name}, {"type", p.type}, {"faces", p.faces}});

@@ -2,12 +2,16 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "burnish/core/error.h"
 #include "burnish/core/timer.h"
 #include "burnish/core/vec.h"
 #include "burnish/octree/refine.h"
+#include "burnish/pipeline/report.h"
+#include "burnish/surface/compare.h"
 
 namespace burnish {
 
@@ -25,6 +29,23 @@ inline Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 inline Json json_of(const Box3& box) {
   if (box.empty()) return nullptr;
   return {{"lower", json_of(box.lower)}, {"upper", json_of(box.upper)}, {"diagonal", box.diagonal()}};
+}
+
+inline Json json_of(const Error& error) {
+  return {{"code", name(error.code())}, {"exit_code", exit_code(error.code())}, {"message", error.what()}, {"hint", error.hint()}};
+}
+
+// Why there is no result, or null.
+inline Json failure_of(const std::optional<Error>& failure) { return failure ? json_of(*failure) : Json(); }
+
+// Null if nothing was measured.
+inline Json json_of(const OneSidedDistance& d) {
+  if (d.samples == 0) return nullptr;
+  return {{"max", d.max}, {"mean", d.mean}, {"rms", d.rms}, {"samples", d.samples}};
+}
+
+inline Json json_of(const Loss& l) {
+  return {{"position", json_of(l.position)}, {"distance", l.distance}, {"area", l.area}, {"samples", l.samples}, {"reason", l.reason}};
 }
 
 inline Json json_of(const std::vector<StageCost>& stages) {

@@ -9,13 +9,13 @@
 
 namespace burnish {
 
-RepairedSurface repaired_surface(const CleanJob& job, Progress& progress) {
+RepairedSurface repaired_surface(const CleanJob& job, Progress& progress, bool named) {
   RepairedSurface result;
   CleanRun run(job, progress);
   const bool solid = run.open(std::make_unique<CleanedOutput>());
   if (solid) {
     run.run();
-    result.surface = run.take_result();
+    result.surface = named ? run.take_named_result() : run.take_result();
   }
   result.report = run.take_report();
   RepairReport& report = result.report;

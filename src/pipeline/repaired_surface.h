@@ -13,7 +13,8 @@ struct RepairedSurface {
   TriangleSoup surface;   // verified, welded, closed; no facets if there is a failure
 };
 
-// Runs `clean` up to its verified result. The job's output is not looked at. Throws Error as `clean` does.
-RepairedSurface repaired_surface(const CleanJob& job, Progress& progress);
+// Runs `clean` up to its verified result. The job's output is not looked at. `named`: with the groups and colours of the input, facets in their order.
+// Throws Error as `clean` does.
+RepairedSurface repaired_surface(const CleanJob& job, Progress& progress, bool named = false);
 
 }  // namespace burnish

@@ -37,15 +37,6 @@ Json json_of(const Defects& d) {
   };
 }
 
-Json json_of(const Error& error) {
-  return {
-      {"code", name(error.code())},
-      {"exit_code", exit_code(error.code())},
-      {"message", error.what()},
-      {"hint", error.hint()},
-  };
-}
-
 Json json_of(const ResolvedOptions& o) {
   return {
       {"cell", o.cell},
@@ -114,10 +105,6 @@ Json json_of(const ComponentFate& c) {
 
 Json json_of(const Change& c) {
   return {{"position", json_of(c.position)}, {"extent", c.extent}, {"facets_removed", c.facets_removed}, {"facets_added", c.facets_added}};
-}
-
-Json json_of(const Loss& l) {
-  return {{"position", json_of(l.position)}, {"distance", l.distance}, {"area", l.area}, {"samples", l.samples}, {"reason", l.reason}};
 }
 
 // The first thousand of a list that is sorted by importance; its length is told beside it.
@@ -209,11 +196,6 @@ Json json_of(const SurfaceSummary& s) {
   };
 }
 
-Json json_of(const OneSidedDistance& d) {
-  if (d.samples == 0) return nullptr;
-  return {{"max", d.max}, {"mean", d.mean}, {"rms", d.rms}, {"samples", d.samples}};
-}
-
 Json json_of(const Deviation& d) {
   return {
       {"input_to_output", json_of(d.input_to_output)},
@@ -298,7 +280,7 @@ std::string to_json(const RepairReport& r) {
        {{"file", r.output}, {"format", r.output_format}, {"written", r.written}, {"verified", r.verified}, {"is_sheet", r.is_sheet}}},
       {"method", r.method.empty() ? Json() : Json(r.method)},
       {"method_reason", r.method_reason},
-      {"failure", r.failure ? json_of(*r.failure) : Json()},
+      {"failure", failure_of(r.failure)},
       {"warnings", Json(r.warnings)},
       {"options", json_of(r.options)},
       {"groups", json_of(r.groups)},
@@ -351,7 +333,7 @@ std::string to_json(const FieldResult& r) {
       {"generator", generator()},
       {"input", {{"file", r.input}, {"format", r.input_format}}},
       {"output", std::move(output)},
-      {"failure", r.failure ? json_of(*r.failure) : Json()},
+      {"failure", failure_of(r.failure)},
       {"warnings", Json(r.warnings)},
       {"options",
        {{"cell", r.options.cell}, {"cell_was_chosen", r.options.cell_was_chosen}, {"cells_along_longest_side", r.options.cells_along_longest_side},

@@ -111,6 +111,11 @@ double default_cell(const CappedSoup& capped, double diagonal, const Length& smo
   return std::max(cell, std::min(enough, kCoarsestSmoothed * diagonal));
 }
 
+double given_default(const CleanOptions& asked, double diagonal) {
+  const double cell = asked.default_cell->in_model_units(diagonal, 0), wave = asked.smooth.unit == LengthUnit::cells ? 0 : asked.smooth.in_model_units(diagonal, 0);
+  return wave > 0 ? std::min(cell, wave / kCellsPerWave) : cell;
+}
+
 double asked_cell(const CleanOptions& asked, const Box3& box) {
   if (asked.resolution) return box.longest_side() / *asked.resolution;
   const double cell = asked.cell->in_model_units(box.diagonal(), 0);
@@ -190,7 +195,7 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
   const auto band = [&](double cell) { return band_of(asked, flow_mode(resolved.mode), diagonal, cell, unsmoothed_band) + (half_shell + walls) / cell; };
   resolved.cell_was_chosen = !asked.cell && !asked.resolution;
   if (resolved.cell_was_chosen) {
-    double wanted = default_cell(capped, diagonal, asked.smooth, resolved.thicken);
+    double wanted = asked.default_cell ? given_default(asked, diagonal) : default_cell(capped, diagonal, asked.smooth, resolved.thicken);
     if (wall) wanted = std::max(std::min(wanted, *wall / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
     resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);
     if (resolved.cell > wanted)

@@ -17,6 +17,7 @@ import cases
 import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import ic_scenarios  # noqa: F401  (adds to the groups of scenarios)
+import mesh_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import runner
 import scenarios
 import smoothing_scenarios  # noqa: F401  (adds to the groups of scenarios)

@@ -78,6 +78,9 @@ struct CleanOptions {
   std::optional<Length> cell;
   // Cells along the longest side of the bounding box.
   std::optional<int> resolution;
+  // The cell where neither is set and a level set is needed, instead of one that follows from the model: smaller if smoothing asks for it, larger if the memory
+  // budget does. Asks for nothing.
+  std::optional<Length> default_cell;
   // Blocks of cells are coarser where interpolation between their nodes is off by no more than this; `cell_max` bounds their cells
   // (8 times the finest when unset). Asks for the level set.
   std::optional<Length> adapt;

@@ -1,0 +1,259 @@
+#include "burnish/pipeline/flow_mesh_job.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <utility>
+
+#include "burnish/core/parallel.h"
+#include "burnish/io/output_file.h"
+#include "flow_mesh_cells.h"
+#include "flow_mesh_measure.h"
+#include "flow_mesh_patches.h"
+#include "repaired_surface.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kRepairCell = 0.5;       // of a level set, in cells of the mesh
+constexpr double kCellsAcross = 4;        // of a wall's thickness, that a mesh shows well
+constexpr double kBytesPerCell = 1000;    // of a mesh while it is made
+constexpr double kGigabyte = 0x1p30;
+
+std::string text_of(const Box3& b) {
+  return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z);
+}
+
+std::string_view name(VolumeFormat format) {
+  constexpr std::string_view kNames[] = {"OpenFOAM case", "VTU", "Gmsh", "SU2"};
+  return kNames[static_cast<std::size_t>(format)];
+}
+
+// What a mesh would replace is known before it is made.
+void require_writable(const std::string& output, bool overwrite) {
+  namespace fs = std::filesystem;
+  if (volume_format(output) != VolumeFormat::foam_case) {
+    OutputFile probe(output, overwrite);
+    return;
+  }
+  std::error_code ignored;
+  for (const char* faces : {"faces", "faces.gz"}) {
+    const fs::path there = fs::path(output) / "constant" / "polyMesh" / faces;
+    if (!overwrite && fs::exists(there, ignored))
+      throw Error(ErrorCode::unwritable_output, fmt::format("{}: the case has a mesh already", there.parent_path().string()), "add --overwrite to replace it");
+  }
+}
+
+class FlowMeshRun {
+ public:
+  FlowMeshRun(const FlowMeshJob& job, Progress& progress) : job_(job), progress_(progress) {
+    result_.input = job.input;
+    result_.output = job.output;
+    if (!job.output.empty()) result_.output_format = name(volume_format(job.output));
+    result_.side = job.side;
+    result_.flavour = job.flavour;
+    result_.cells_wanted = job.cells;
+  }
+
+  FlowMeshResult run() {
+    if (!job_.output.empty()) require_writable(job_.output, job_.write.overwrite);
+    if (repair() && mesh()) {
+      measure();
+      write();
+    }
+    end_stages();
+    result_.cost.peak_bytes = process_peak_bytes();
+    return std::move(result_);
+  }
+
+ private:
+  void begin(const std::string& stage) {
+    progress_.check();
+    clock_.begin(stage);
+    progress_.begin_stage(stage);
+  }
+
+  void end_stages() {
+    clock_.end();
+    result_.stages.insert(result_.stages.end(), clock_.stages().begin(), clock_.stages().end());
+    clock_ = {};
+  }
+
+  // --- the surface
+
+  // Half of the mesh's cell, as far as that is known before the model is.
+  Length repair_cell() const {
+    if (job_.cell) return Length{kRepairCell * job_.cell->value, job_.cell->unit};
+    // The diagonal is at most sqrt(3) longest sides.
+    return Length{kRepairCell * 100 / (kMeshCellsAlongLongestSide * std::sqrt(3.0)), LengthUnit::percent_of_diagonal};
+  }
+
+  bool repair() {
+    CleanJob job;
+    job.input = job_.input, job.salvage = job_.salvage, job.options = job_.options;
+    job.options.default_cell = repair_cell();
+    if (!repair(job)) return false;
+    if (!job_.cells || job.options.cell || job.options.resolution || result_.solid.cell == 0) return true;
+    // The number of cells says how fine they are only now.
+    const double wanted = kRepairCell * std::sqrt(result_.solid.area * kCellsPerArea / static_cast<double>(*job_.cells));
+    if (result_.solid.cell <= wanted || job.input == "-") return true;
+    job.options.default_cell = Length{wanted, LengthUnit::model};
+    result_.warnings.clear();
+    return repair(job);
+  }
+
+  bool repair(const CleanJob& job) {
+    RepairedSurface repaired = repaired_surface(job, progress_, true);
+    RepairReport& report = repaired.report;
+    surface_ = std::move(repaired.surface);
+    result_.input_format = report.input_format;
+    result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
+    result_.failure = std::move(report.failure);
+    result_.stages.insert(result_.stages.end(), report.stages.begin(), report.stages.end());
+    if (result_.failure) return false;
+    const TopologySummary& topology = report.surface.topology;
+    result_.solid = {surface_.facets.size(), topology.components, topology.cavities, signed_volume(surface_), area(surface_), bounding_box(surface_), report.method, report.method_reason,
+                     report.options.cell};
+    return true;
+  }
+
+  // --- the mesh
+
+  double length(const Length& l, double cell) const { return l.in_model_units(result_.solid.box.diagonal(), cell); }
+
+  Box3 domain() const {
+    const Box3& solid = result_.solid.box;
+    if (job_.domain.box) return *job_.domain.box;
+    const double margin = job_.domain.margin ? length(*job_.domain.margin, 0) : solid.longest_side();
+    const Vec3 around{margin, margin, margin};
+    return {solid.lower - around, solid.upper + around};
+  }
+
+  // The surface has to be inside of it by a cell.
+  void require_domain_holds_solid(const Box3& domain, double cell) const {
+    if (job_.side == MeshSide::inside) return;
+    const Box3& solid = result_.solid.box;
+    for (int a = 0; a < 3; ++a)
+      if (!(domain.lower[a] <= solid.lower[a] - cell && domain.upper[a] >= solid.upper[a] + cell))
+        throw Error(ErrorCode::usage, fmt::format("the domain, {}, cuts the model, {}, or is within a cell of it", text_of(domain), text_of(solid)),
+                    "give a --domain that is larger on all sides, or leave it out");
+  }
+
+  FlowMeshOptions mesh_options(double cell) const {
+    FlowMeshOptions options;
+    options.cell = cell;
+    options.side = job_.side;
+    options.flavour = job_.flavour;
+    options.coarsest_level = job_.coarsest_level;
+    options.cells_between_levels = job_.cells_between_levels;
+    options.crease_angle = job_.crease_angle;
+    options.memory_bytes = job_.options.memory_bytes;
+    if (job_.side == MeshSide::outside) options.domain = domain();
+    for (const BoxWithCell& r : job_.refinements) options.refinements.push_back({r.box, length(r.cell, cell)});
+    return options;
+  }
+
+  bool mesh() {
+    patches_ = surface_patches(surface_, job_.one_patch);
+    require_patches_of_types();
+    return job_.cells ? mesh_of_number() : mesh_of_cell();
+  }
+
+  // Before the work: what the patches will be called is known.
+  void require_patches_of_types() const {
+    std::vector<MeshPatch> patches;
+    for (const std::string& name : patches_.names) patches.push_back({name, "wall"});
+    if (job_.side == MeshSide::outside)
+      for (const std::string_view name : kDomainPatches) patches.push_back({std::string(name), "patch"});
+    set_patch_types(job_.patch_types, patches);
+  }
+
+  bool mesh_of_cell() {
+    result_.cell_was_chosen = !job_.cell;
+    return mesh(job_.cell ? length(*job_.cell, 0) : result_.solid.box.longest_side() / kMeshCellsAlongLongestSide);
+  }
+
+  bool mesh_of_number() {
+    require_memory_for_number();
+    CellChooser chooser(*job_.cells, result_.solid.area);
+    result_.cell_was_chosen = true;
+    while (const std::optional<double> cell = chooser.next()) {
+      flow_ = {};
+      if (!mesh(*cell)) return false;
+      chooser.learn(*cell, flow_.mesh.cells());
+    }
+    result_.trials = chooser.trials();
+    return true;
+  }
+
+  void require_memory_for_number() const {
+    const double needed = kBytesPerCell * static_cast<double>(*job_.cells), budget = static_cast<double>(job_.options.memory_bytes);
+    if (needed > budget)
+      throw Error(ErrorCode::memory_limit, fmt::format("{} cells need about {:.1f} GB; the budget is {:.1f} GB", *job_.cells, needed / kGigabyte, budget / kGigabyte),
+                  fmt::format("ask for at most {:.2g} cells, or raise --memory", budget / kBytesPerCell));
+  }
+
+  // False if there is nothing: the failure says why.
+  bool mesh(double cell) {
+    result_.cell = cell;
+    result_.cells_along_longest_side = result_.solid.box.longest_side() / cell;
+    require_domain_holds_solid(domain(), cell);
+    begin("meshing");
+    const double start = process_cpu_seconds();
+    try {
+      flow_ = flow_mesh(surface_, patches_.of_facet, patches_.names, mesh_options(cell), progress_);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::guarantee_unmet) throw;
+      result_.failure = Error(error.code(), error.what(), error.hint().empty() ? way_out_of_large_cell() : error.hint());
+      return false;
+    }
+    result_.cost.seconds = process_cpu_seconds() - start;
+    return true;
+  }
+
+  // Twice the volume over the area is the thickness of a plate.
+  std::string way_out_of_large_cell() const {
+    return fmt::format("choose a smaller --cell, such as {:.4g}: the model's mean thickness is {:.4g}", 2 * result_.solid.volume / result_.solid.area / kCellsAcross,
+                       2 * result_.solid.volume / result_.solid.area);
+  }
+
+  void measure() {
+    MeshCost& cost = result_.cost;
+    cost.cells_per_second = cost.seconds > 0 ? static_cast<double>(flow_.mesh.cells()) / cost.seconds : 0;
+    set_patch_types(job_.patch_types, flow_.mesh.mesh.patches);
+    begin("measuring the quality");
+    tell_mesh(flow_, patches_, domain(), result_);
+    judge_quality(flow_.mesh, result_, progress_);
+    begin("measuring distances");
+    compare_patches(flow_.mesh, patches_, surface_, result_);
+    if (!result_.good) result_.failure = reason_of_failure(result_);
+  }
+
+  void write() {
+    if (job_.output.empty() || (result_.failure && !job_.allow_invalid)) return;
+    begin("writing");
+    std::vector<Vec3>& points = flow_.mesh.mesh.points;
+    if (job_.scale != 1) parallel_for(points.size(), [&](std::size_t p) { points[p] *= job_.scale; });
+    write_volume_mesh(job_.output, flow_.mesh, job_.write, progress_);
+    result_.written = true;
+  }
+
+  const FlowMeshJob& job_;
+  Progress& progress_;
+  StageClock clock_;
+  FlowMeshResult result_;
+  TriangleSoup surface_;  // repaired, with the input's groups
+  SurfacePatches patches_;
+  FlowMesh flow_;
+};
+
+}  // namespace
+
+std::string_view name(MeshSide side) { return side == MeshSide::inside ? "inside" : "outside"; }
+std::string_view name(MeshFlavour flavour) { return flavour == MeshFlavour::conforming ? "conforming" : "polyhedral"; }
+
+FlowMeshResult flow_mesh(const FlowMeshJob& job, Progress& progress) { return FlowMeshRun(job, progress).run(); }
+
+}  // namespace burnish

@@ -1,0 +1,142 @@
+#include "flow_mesh_measure.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "burnish/surface/triangle_index.h"
+#include "losses.h"
+
+namespace burnish {
+namespace {
+
+constexpr double kLossCells = 1.5;              // the surface farther than this from all patches is lost
+constexpr std::size_t kMostPlaces = 1000;       // listed of a check
+constexpr std::size_t kPlacesOfMessage = 3;
+constexpr double kVolumeOff = 0.02;             // of what is wanted, without a word
+
+double volume_of(const Box3& box) {
+  const Vec3 e = box.extent();
+  return e.x * e.y * e.z;
+}
+
+double face_area(const PolyhedralMesh& mesh, std::size_t f) {
+  const auto points = mesh.face(f);
+  Vec3 twice;
+  for (std::size_t i = 2; i < points.size(); ++i)
+    twice += cross(mesh.points[points[i - 1]] - mesh.points[points[0]], mesh.points[points[i]] - mesh.points[points[0]]);
+  return 0.5 * norm(twice);
+}
+
+MeshedPatch told_patch(const PolyhedralMesh& mesh, const MeshPatch& patch, const SurfacePatches& patches) {
+  MeshedPatch told{patch.name, patch.type, "", patch.faces, 0};
+  const auto at = std::find(patches.names.begin(), patches.names.end(), patch.name);
+  if (at != patches.names.end()) told.group = patches.groups[static_cast<std::size_t>(at - patches.names.begin())];
+  for (std::size_t f = patch.first_face; f < std::size_t{patch.first_face} + patch.faces; ++f) told.area += face_area(mesh, f);
+  return told;
+}
+
+void tell_sizes(const PolyhedralMesh& mesh, FlowMeshResult& result) {
+  const CellGeometry geometry = cell_geometry(mesh, cell_faces(mesh));
+  result.smallest_cell = std::numeric_limits<double>::infinity();
+  for (const double v : geometry.volume) {
+    result.smallest_cell = std::min(result.smallest_cell, v);
+    result.largest_cell = std::max(result.largest_cell, v);
+  }
+  for (const Vec3& p : mesh.points) result.box.extend(p);
+}
+
+Vec3 middle_of(const VolumeMesh& mesh, std::size_t cell) {
+  Vec3 sum;
+  for (const std::uint32_t p : mesh.cell(cell)) sum += mesh.mesh.points[p];
+  return sum / static_cast<double>(mesh.cell(cell).size());
+}
+
+// A cell is listed under the first check that it fails: those that never fail a mesh are not to be in the way.
+MeshQualityLimits failing_limits() {
+  MeshQualityLimits limits;
+  limits.non_orthogonality = 90, limits.flatness = 0, limits.concave_degrees = 180;
+  return limits;
+}
+
+// Of the checks that fail, by check, then by cell.
+std::vector<BadPlace> places_of(const VolumeMesh& mesh, const MeshQuality& quality, const std::vector<BadCell>& bad) {
+  std::vector<BadPlace> places;
+  for (const MeshCheck& check : quality.checks) {
+    std::size_t listed = 0;
+    for (const BadCell& b : bad)
+      if (!check.passed && b.check == check.name && listed++ < kMostPlaces) places.push_back({std::string(b.check), b.cell, b.value, middle_of(mesh, b.cell)});
+  }
+  return places;
+}
+
+std::string text_of(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+// "skewness: 3, the worst 21.3; at (0, 0, 1), ..."
+std::string text_of(const MeshCheck& check, const std::vector<BadPlace>& places) {
+  std::string at;
+  std::size_t listed = 0;
+  for (const BadPlace& p : places)
+    if (p.check == check.name && listed++ < kPlacesOfMessage) at += (listed == 1 ? "; at " : ", ") + text_of(p.at);
+  return fmt::format("{}: {}, the worst {:.4g}{}{}", check.name, check.failing, check.worst, at, listed > kPlacesOfMessage ? ", ..." : "");
+}
+
+bool counts(const MeshCheck& check, MeshFlavour flavour) { return !check.passed && (flavour == MeshFlavour::conforming || !check.all_geometry); }
+
+}  // namespace
+
+void tell_mesh(const FlowMesh& flow, const SurfacePatches& patches, const Box3& domain, FlowMeshResult& result) {
+  const PolyhedralMesh& mesh = flow.mesh.mesh;
+  result.meshed = true;
+  result.cells_of_level = flow.cells_of_level;
+  result.moved_back = flow.moved_back;
+  result.warnings.insert(result.warnings.end(), flow.notes.begin(), flow.notes.end());
+  tell_sizes(mesh, result);
+  for (const MeshPatch& patch : mesh.patches) result.patches.push_back(told_patch(mesh, patch, patches));
+  const bool outside = result.side == MeshSide::outside;
+  const MeshedSolid& solid = result.solid;
+  // The domain is rounded to whole cells, and sides of the mesh's box are those of the domain.
+  result.volume_wanted = outside ? volume_of(result.box.empty() ? domain : result.box) - solid.volume : solid.volume;
+  result.regions_wanted = outside ? 1 + solid.cavities : solid.components - solid.cavities;
+}
+
+void judge_quality(const VolumeMesh& mesh, FlowMeshResult& result, Progress& progress) {
+  result.quality = mesh_quality(mesh, {}, progress);
+  const MeshQuality& q = result.quality;
+  result.good = result.flavour == MeshFlavour::conforming ? q.ok : q.plain_ok;
+  if (q.failed > 0) result.bad_places = places_of(mesh, q, bad_cells(mesh, failing_limits(), progress));
+  if (q.regions != result.regions_wanted)
+    result.warnings.push_back(fmt::format("the mesh has {} connected regions, and {} would be right: {}; a smaller --cell resolves more", q.regions, result.regions_wanted,
+                                          q.regions < result.regions_wanted ? "a part is thinner than a cell, or two parts are closer" : "a part is pinched where it is thinner than a cell"));
+  const double off = q.volume / result.volume_wanted - 1;
+  if (std::abs(off) > kVolumeOff) result.warnings.push_back(fmt::format("the mesh's volume is {:+.2g} % off what is to be meshed: the cell is large for this model", 100 * off));
+}
+
+void compare_patches(const VolumeMesh& mesh, const SurfacePatches& patches, const TriangleSoup& surface, FlowMeshResult& result) {
+  const TriangleSoup meshed = triangles_of(mesh.mesh, patches.names);
+  if (meshed.facets.empty()) return;
+  std::vector<FarSample> far;
+  result.surface_to_patches = one_sided_distance(surface, TriangleIndex(meshed), {.far_beyond = kLossCells * result.cell}, &far);
+  result.patches_to_surface = one_sided_distance(meshed, TriangleIndex(surface));
+  result.losses = gather_losses(far, result.solid.box.diagonal(), [](const FarSample&) { return std::string("thinner than a cell"); });
+  double lost = 0;
+  for (const Loss& loss : result.losses) lost += loss.area;
+  if (!(lost > 0)) return;
+  const Loss& worst = result.losses.front();
+  result.warnings.push_back(fmt::format("parts of the surface with {:.3g} of area ({:.2g} %) are not in the mesh, being thinner than a cell; the largest is at {}, {:.3g} cells off: a smaller --cell "
+                                        "keeps more",
+                                        lost, 100 * lost / result.solid.area, text_of(worst.position), worst.distance / result.cell));
+}
+
+Error reason_of_failure(const FlowMeshResult& result) {
+  std::string failing;
+  for (const MeshCheck& check : result.quality.checks)
+    if (counts(check, result.flavour)) failing += (failing.empty() ? "" : "; ") + text_of(check, result.bad_places);
+  const bool conforming = result.flavour == MeshFlavour::conforming;
+  return {ErrorCode::guarantee_unmet, fmt::format("the mesh does not pass {} ({})", conforming ? "checkMesh -allTopology -allGeometry" : "checkMesh", failing),
+          fmt::format("try a somewhat different --cell, such as {:.4g}; --allow-invalid writes the mesh as it is, and --report lists all places", 0.93 * result.cell)};
+}
+
+}  // namespace burnish

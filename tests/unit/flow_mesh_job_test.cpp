@@ -1,0 +1,184 @@
+// From a triangle file to a volume mesh: sides, patches, numbers of cells, what is refused and what is written.
+#include "burnish/pipeline/flow_mesh_job.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <set>
+
+#include "burnish/io/foam_case.h"
+#include "flow_mesh_cells.h"
+#include "flow_mesh_patches.h"
+#include "support/folder.h"
+#include "support/shapes.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+constexpr double kRadius = 0.6;
+constexpr double kCell = 0.1;
+
+struct Fixture {
+  Fixture() {
+    ball = moved(scaled(icosphere(3), kRadius), {0.03, -0.01, 0.02});
+    job.input = folder.write("ball.ply", ball);
+    job.output = folder.path("case");
+    job.cell = Length{kCell, LengthUnit::model};
+  }
+  Folder folder;
+  TriangleSoup ball;
+  FlowMeshJob job;
+};
+
+std::uint64_t cells_by_shape(const MeshQuality& q) {
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : q.cells_of_shape) sum += n;
+  return sum;
+}
+
+TEST(FlowMeshJob, FillsABall) {
+  Fixture f;
+  const FlowMeshResult result = flow_mesh(f.job);
+  ASSERT_FALSE(result.failure) << result.failure->what();
+  EXPECT_TRUE(result.written && result.good && result.quality.ok);
+  EXPECT_EQ(result.quality.regions, result.regions_wanted);
+  EXPECT_DOUBLE_EQ(result.volume_wanted, signed_volume(f.ball));
+  EXPECT_NEAR(result.quality.volume, result.volume_wanted, 0.02 * result.volume_wanted);
+  EXPECT_EQ(cells_by_shape(result.quality), result.quality.cells);
+  EXPECT_LE(result.surface_to_patches.max, 0.5 * kCell);
+  EXPECT_LE(result.patches_to_surface.max, 0.5 * kCell);
+  const FoamMesh read = read_foam_mesh(f.folder.path("case"));
+  EXPECT_EQ(read.mesh.cells, result.quality.cells);
+  EXPECT_EQ(read.mesh.faces(), result.quality.faces);
+}
+
+TEST(FlowMeshJob, OutsideIsTheDomainWithoutTheBall) {
+  Fixture f;
+  f.job.side = MeshSide::outside;
+  f.job.output.clear();
+  const FlowMeshResult result = flow_mesh(f.job);
+  ASSERT_FALSE(result.failure) << result.failure->what();
+  EXPECT_FALSE(result.written);
+  // One longest side around, rounded outwards.
+  const double side = 3 * result.solid.box.longest_side();
+  for (int a = 0; a < 3; ++a) {
+    EXPECT_GE(result.box.extent()[a], side - 1e-9);
+    EXPECT_LE(result.box.extent()[a], side + 2 * 16 * kCell);
+  }
+  const Vec3 e = result.box.extent();
+  EXPECT_NEAR(result.volume_wanted, e.x * e.y * e.z - signed_volume(f.ball), 1e-9);
+  EXPECT_NEAR(result.quality.volume, result.volume_wanted, 0.002 * result.volume_wanted);
+  ASSERT_EQ(result.patches.size(), 7u);
+  double area = 0;
+  for (std::size_t p = 1; p < 7; ++p) area += result.patches[p].area;
+  EXPECT_NEAR(area, 2 * (e.x * e.y + e.y * e.z + e.z * e.x), 1e-9 * area);
+}
+
+TEST(FlowMeshJob, ADomainThatCutsTheModelIsRefused) {
+  Fixture f;
+  f.job.side = MeshSide::outside;
+  f.job.domain.box = Box3{{-1, -1, -1}, {0.5, 1, 1}};
+  EXPECT_THROW(flow_mesh(f.job), Error);
+  f.job.domain.box.reset();
+  f.job.domain.margin = Length{0.5 * kCell, LengthUnit::model};
+  EXPECT_THROW(flow_mesh(f.job), Error);
+}
+
+TEST(FlowMeshJob, CavitiesAreRegionsOfTheOutside) {
+  Fixture f;
+  f.job.input = f.folder.write("hollow.ply", merged(scaled(icosphere(3), 1.2), flipped(scaled(icosphere(3), 0.6))));
+  f.job.output.clear();
+  const FlowMeshResult inside = flow_mesh(f.job);
+  EXPECT_EQ(inside.solid.cavities, 1u);
+  EXPECT_EQ(inside.regions_wanted, 1u);
+  EXPECT_EQ(inside.quality.regions, 1u);
+  f.job.side = MeshSide::outside;
+  const FlowMeshResult outside = flow_mesh(f.job);
+  EXPECT_EQ(outside.regions_wanted, 2u);
+  EXPECT_EQ(outside.quality.regions, 2u);
+}
+
+TEST(FlowMeshJob, WhatHasNoVolumeIsAFailure) {
+  Fixture f;
+  f.job.input = f.folder.write("facet.ply", TriangleSoup{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}}, {{0, 1, 2}}, {}});
+  const FlowMeshResult result = flow_mesh(f.job);
+  ASSERT_TRUE(result.failure);
+  EXPECT_EQ(result.failure->code(), ErrorCode::guarantee_unmet);
+  EXPECT_FALSE(result.written || result.meshed);
+  EXPECT_FALSE(f.folder.has("case"));
+}
+
+TEST(FlowMeshJob, ReplacesNothingUnasked) {
+  Fixture f;
+  ASSERT_TRUE(flow_mesh(f.job).written);
+  const std::string faces = f.folder.bytes("case/constant/polyMesh/faces");
+  f.job.cell = Length{2 * kCell, LengthUnit::model};
+  EXPECT_THROW(flow_mesh(f.job), Error);
+  EXPECT_EQ(f.folder.bytes("case/constant/polyMesh/faces"), faces);
+  f.job.write.overwrite = true;
+  ASSERT_TRUE(flow_mesh(f.job).written);
+  EXPECT_NE(f.folder.bytes("case/constant/polyMesh/faces"), faces);
+}
+
+TEST(FlowMeshJob, ScalesWhatIsWritten) {
+  Fixture f;
+  ASSERT_TRUE(flow_mesh(f.job).written);
+  const FoamMesh whole = read_foam_mesh(f.folder.path("case"));
+  f.job.output = f.folder.path("small");
+  f.job.scale = 0.001;
+  const FlowMeshResult result = flow_mesh(f.job);
+  EXPECT_DOUBLE_EQ(result.cell, kCell);
+  const FoamMesh small = read_foam_mesh(f.folder.path("small"));
+  ASSERT_EQ(small.mesh.points.size(), whole.mesh.points.size());
+  for (std::size_t p = 0; p < small.mesh.points.size(); ++p) EXPECT_EQ(small.mesh.points[p], whole.mesh.points[p] * 0.001);
+}
+
+// A level set is only as fine as the mesh asks for.
+TEST(FlowMeshJob, TheLevelSetFollowsTheCell) {
+  Fixture f;
+  f.job.options.method = Method::level_set;
+  f.job.output.clear();
+  EXPECT_NEAR(flow_mesh(f.job).solid.cell, 0.5 * kCell, 1e-12);
+  f.job.options.cell = Length{0.8 * kCell, LengthUnit::model};
+  EXPECT_NEAR(flow_mesh(f.job).solid.cell, 0.8 * kCell, 1e-12);
+}
+
+TEST(FlowMeshPatches, AreTheGroups) {
+  TriangleSoup soup = cube();
+  ASSERT_EQ(soup.facets.size(), 12u);
+  soup.groups = {{"in let", 0, 4}, {"xMin", 4, 2}, {"in;let", 6, 4}, {"", 10, 2}};
+  const SurfacePatches patches = surface_patches(soup, false);
+  EXPECT_EQ(patches.names, (std::vector<std::string>{"in_let", "xMin_2", "in_let_2", "surface"}));
+  EXPECT_EQ(patches.groups, (std::vector<std::string>{"in let", "xMin", "in;let", ""}));
+  EXPECT_EQ(patches.of_facet, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 2, 2, 2, 2, 3, 3}));
+  const SurfacePatches one = surface_patches(soup, true);
+  EXPECT_EQ(one.names, std::vector<std::string>{"surface"});
+  EXPECT_TRUE(one.of_facet.empty());
+}
+
+TEST(FlowMeshPatches, TypesAreForPatchesThatExist) {
+  std::vector<MeshPatch> patches{{"a", "wall"}, {"b", "wall"}};
+  set_patch_types({{"b", "patch"}}, patches);
+  EXPECT_EQ(patches[0].type, "wall");
+  EXPECT_EQ(patches[1].type, "patch");
+  EXPECT_THROW(set_patch_types({{"c", "patch"}}, patches), Error);
+}
+
+// A mesh whose number of cells goes as a A / h^2 + b / h^3.
+TEST(FlowMeshCells, AreMetInThreeTrials) {
+  for (const double a : {4.0, 15.0, 60.0})
+    for (const double b : {0.0, 0.05, 0.5})
+      for (const std::uint64_t wanted : {2'000u, 50'000u, 1'000'000u, 20'000'000u}) {
+        CellChooser chooser(wanted, 1.0);
+        while (const auto h = chooser.next()) chooser.learn(*h, static_cast<std::uint64_t>(a / (*h * *h) + b / (*h * *h * *h)));
+        EXPECT_LE(chooser.trials().size(), 3u);
+        EXPECT_NEAR(static_cast<double>(chooser.trials().back().cells) / static_cast<double>(wanted), 1, 0.15) << "a = " << a << ", b = " << b << ", wanted " << wanted;
+        if (wanted >= 1'000'000u) EXPECT_LE(chooser.trials().front().cells, wanted) << "the first trial is as large as the mesh";
+      }
+}
+
+}  // namespace
+}  // namespace burnish
