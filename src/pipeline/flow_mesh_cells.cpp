@@ -10,7 +10,7 @@ constexpr double kTrialShare = 0.125;     // of the cells that are wanted, in th
 constexpr double kLeastTrial = 20'000;    // below that, cells in the depth of a model do not show
 constexpr double kNearEnough = 0.1;
 constexpr std::size_t kMostTrials = 3;
-constexpr double kExponent = 2, kLeastExponent = 1, kGreatestExponent = 4;
+constexpr double kExponent = 2.2, kLeastExponent = 1, kGreatestExponent = 4;
 
 }  // namespace
 

@@ -9,8 +9,8 @@
 
 namespace burnish {
 
-// Of a mesh, for each of the surface's area in cells: a first guess, before anything is known of a model.
-inline constexpr double kCellsPerArea = 20;
+// Of a mesh, for each of the surface's area in cells: a first guess, of the order of what models have inside.
+inline constexpr double kCellsPerArea = 12;
 
 // Proposes cells, and learns from what they gave. The number of cells of a graded mesh goes with the surface's area over the cell's, and a little faster: its exponent is
 // taken from the last two trials.

@@ -176,7 +176,10 @@ TEST(FlowMeshCells, AreMetInThreeTrials) {
         while (const auto h = chooser.next()) chooser.learn(*h, static_cast<std::uint64_t>(a / (*h * *h) + b / (*h * *h * *h)));
         EXPECT_LE(chooser.trials().size(), 3u);
         EXPECT_NEAR(static_cast<double>(chooser.trials().back().cells) / static_cast<double>(wanted), 1, 0.15) << "a = " << a << ", b = " << b << ", wanted " << wanted;
-        if (wanted >= 1'000'000u) EXPECT_LE(chooser.trials().front().cells, wanted) << "the first trial is as large as the mesh";
+        // The first one is the small one, unless cells are many for the surface.
+        if (wanted >= 1'000'000u && b == 0) {
+          EXPECT_LE(chooser.trials().front().cells, wanted);
+        }
       }
 }
 
