@@ -18,6 +18,7 @@ constexpr std::size_t kGrain = std::size_t{1} << 18;  // values looked at by one
 constexpr std::size_t kClasses = 4096;                // of a histogram
 constexpr double kMargin = 11;                        // cells between what is stored and the walls
 constexpr double kSameSpacing = 1e-3;                 // cells by which unequal spacings may drift apart over the whole volume
+constexpr double kBytesPerBlock = 10'000;              // near the surface: values, lists, and what redistancing holds
 constexpr float kLeastPhi = 1e-6f;                    // cells
 constexpr int kSide = kBlockSide + 1;                 // nodes along the edge of a block's cells
 
@@ -213,6 +214,16 @@ GridFrame frame_of(const VoxelSamples& samples, double cell, int margin) {
   return frame;
 }
 
+// What there would be along the other axes' voxels is one lattice node: unequal spacings can make very many.
+void require_memory(double bytes, std::uint64_t budget, const VoxelSamples& samples) {
+  if (bytes <= static_cast<double>(budget)) return;
+  const auto& [x, y, z] = samples.spacing;
+  throw Error(ErrorCode::memory_limit,
+              fmt::format("a level set with cells of {:.4g}, the least of the spacings {:.4g}, {:.4g}, {:.4g}, takes at least {:.1f} GB; the budget is {:.1f} GB", cell_of(samples), x, y, z,
+                          bytes * 0x1p-30, static_cast<double>(budget) * 0x1p-30),
+              "resample the volume with spacings that are alike, crop it, or raise --memory");
+}
+
 SurfaceOctree octree_of(int depth, const std::vector<std::uint64_t>& finest) {
   SurfaceOctree grid;
   grid.octree = Octree::build(depth, finest);
@@ -343,6 +354,7 @@ LevelSetFromVoxels level_set_from_voxels(const VoxelSamples& samples, double iso
     box.low[a] = low / kBlockSide;
     box.sides[a] = high / kBlockSide - box.low[a] + 1;
   }
+  require_memory(static_cast<double>(box.size()) * sizeof(CutCells), options.memory_bytes, samples);
   std::vector<CutCells> cuts(box.size());
   parallel_for(cuts.size(), [&](std::size_t n) {
     if (n % 64 == 0) progress.check();
@@ -352,7 +364,9 @@ LevelSetFromVoxels level_set_from_voxels(const VoxelSamples& samples, double iso
   for (const CutCells& cut : cuts) jump += cut.jump, edges += cut.edges;
   if (edges == 0)
     throw Error(ErrorCode::guarantee_unmet, fmt::format("no voxel is {} {}: there is no surface", inside_above ? "above" : "below", iso), "choose another --iso");
-  set.grid = octree_of(set.frame.depth, blocks_near(cuts, box, reach));
+  const std::vector<std::uint64_t> near = blocks_near(cuts, box, reach);
+  require_memory(static_cast<double>(near.size()) * kBytesPerBlock, options.memory_bytes, samples);
+  set.grid = octree_of(set.frame.depth, near);
   set.phi = scaled_values(values, set.grid, jump / edges, static_cast<float>(options.band));
   redistance(set, options.band, progress);
   result.border_voxels = border_voxels_inside(samples, iso, inside_above);
