@@ -33,12 +33,11 @@ struct AxisNode {
 class LatticeValues {
  public:
   LatticeValues(const VoxelSamples& samples, double iso, bool inside_above, double cell, int margin)
-      : samples_(samples), iso_(iso), sign_(inside_above ? 1 : -1), margin_(margin) {
+      : samples_(samples), iso_(iso), sign_(inside_above ? 1 : -1) {
     for (int axis = 0; axis < 3; ++axis) {
       const std::size_t n = samples.nodes[static_cast<std::size_t>(axis)];
       double step = cell / samples.spacing[axis];  // a lattice step, in voxels
       if (std::abs(step - 1) * static_cast<double>(n) < kSameSpacing) step = 1;
-      has_lattice_of_voxels_ = has_lattice_of_voxels_ && step == 1;
       const auto last = static_cast<int>(std::ceil(static_cast<double>(n - 1) / step - 1e-9));
       first_[static_cast<std::size_t>(axis)] = margin - outside(step);
       auto& nodes = nodes_[static_cast<std::size_t>(axis)];
@@ -49,23 +48,24 @@ class LatticeValues {
   // The lattice coordinates, along an axis, between which values vary; beyond they are those of the ends.
   std::array<int, 2> extent(std::size_t axis) const { return {first_[axis], first_[axis] + static_cast<int>(nodes_[axis].size()) - 1}; }
 
-  // Whether the cells of a block lie between voxels that are lattice nodes, and all on one side: most of a volume.
+  // Whether the cells of a block lie between voxels that are all on one side, as most of a volume does: then so are their nodes, which are means of these.
   bool is_plainly_on_one_side(const std::array<int, 3>& block) const {
-    std::array<std::size_t, 3> low;
+    std::array<std::size_t, 3> low, count;
     for (std::size_t a = 0; a < 3; ++a) {
-      const int from = kBlockSide * block[a] - margin_;
-      if (!has_lattice_of_voxels_ || from < 0 || from + kBlockSide >= static_cast<int>(samples_.nodes[a])) return false;
-      low[a] = static_cast<std::size_t>(from);
+      const AxisNode &from = node(a, kBlockSide * block[a]), &to = node(a, kBlockSide * block[a] + kBlockSide);
+      if (from.keep < 1 || to.keep < 1) return false;
+      low[a] = from.voxel;
+      count[a] = to.voxel + (to.weight > 0) + 1 - from.voxel;
     }
     const auto is_inside = [&](float value) { return sign_ * (static_cast<double>(value) - iso_) > 0; };
     const std::size_t row = samples_.nodes[0], layer = row * samples_.nodes[1];
     const float* const first = samples_.values.data() + low[0] + row * low[1] + layer * low[2];
-    int inside = 0, seen = 0;
-    for (std::size_t k = 0; k < kSide; ++k)
-      for (std::size_t j = 0; j < kSide; ++j) {
+    std::size_t inside = 0, seen = 0;
+    for (std::size_t k = 0; k < count[2]; ++k)
+      for (std::size_t j = 0; j < count[1]; ++j) {
         const float* const at = first + row * j + layer * k;
-        for (std::size_t i = 0; i < kSide; ++i) inside += is_inside(at[i]);
-        seen += kSide;
+        for (std::size_t i = 0; i < count[0]; ++i) inside += is_inside(at[i]);
+        seen += count[0];
         if (inside != 0 && inside != seen) return false;
       }
     return true;
@@ -74,7 +74,7 @@ class LatticeValues {
   // Never 0.
   double operator()(const std::array<int, 3>& at) const {
     const AxisNode &x = node(0, at[0]), &y = node(1, at[1]), &z = node(2, at[2]);
-    const double value = sign_ * (interpolated(x, y, z) - iso_), keep = std::min({x.keep, y.keep, z.keep});
+    const double value = sign_ * interpolated(x, y, z), keep = std::min({x.keep, y.keep, z.keep});
     if (!(value > 0)) return value < 0 ? value : -std::numeric_limits<double>::min();
     return keep > 0 ? value * keep : keep < 0 ? value * keep : -std::numeric_limits<double>::min();  // [T-VOXEL-2]
   }
@@ -97,22 +97,21 @@ class LatticeValues {
     return nodes_[axis][static_cast<std::size_t>(std::clamp(at - first_[axis], 0, static_cast<int>(nodes_[axis].size()) - 1))];
   }
 
+  // Less the iso value: of differences, whose mean has their sign if they have the same.
   double interpolated(const AxisNode& x, const AxisNode& y, const AxisNode& z) const {
     const std::size_t row = samples_.nodes[0], layer = row * samples_.nodes[1];
     const float* at = samples_.values.data() + x.voxel + row * y.voxel + layer * z.voxel;
-    if (x.weight + y.weight + z.weight == 0) return static_cast<double>(*at);
+    if (x.weight + y.weight + z.weight == 0) return static_cast<double>(*at) - iso_;
     double sum = 0;
     for (std::size_t c = 0; c < 8; ++c) {
       const double weight = (c & 1 ? x.weight : 1 - x.weight) * (c & 2 ? y.weight : 1 - y.weight) * (c & 4 ? z.weight : 1 - z.weight);
-      if (weight > 0) sum += weight * static_cast<double>(at[(c & 1) + (c & 2 ? row : 0) + (c & 4 ? layer : 0)]);
+      if (weight > 0) sum += weight * (static_cast<double>(at[(c & 1) + (c & 2 ? row : 0) + (c & 4 ? layer : 0)]) - iso_);
     }
     return sum;
   }
 
   const VoxelSamples& samples_;
   double iso_, sign_;
-  int margin_;
-  bool has_lattice_of_voxels_ = true;
   std::array<std::vector<AxisNode>, 3> nodes_;
   std::array<int, 3> first_{};
 };
