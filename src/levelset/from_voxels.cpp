@@ -19,6 +19,7 @@ constexpr std::size_t kClasses = 4096;                // of a histogram
 constexpr double kMargin = 11;                        // cells between what is stored and the walls
 constexpr double kSameSpacing = 1e-3;                 // cells by which unequal spacings may drift apart over the whole volume
 constexpr double kBytesPerBlock = 10'000;              // near the surface: values, lists, and what redistancing holds
+constexpr std::size_t kBatch = std::size_t{1} << 16;   // blocks looked at between two looks at the budget
 constexpr float kLeastPhi = 1e-6f;                    // cells
 constexpr int kSide = kBlockSide + 1;                 // nodes along the edge of a block's cells
 
@@ -355,10 +356,16 @@ LevelSetFromVoxels level_set_from_voxels(const VoxelSamples& samples, double iso
   }
   require_memory(static_cast<double>(box.size()) * sizeof(CutCells), options.memory_bytes, samples);
   std::vector<CutCells> cuts(box.size());
-  parallel_for(cuts.size(), [&](std::size_t n) {
-    if (n % 64 == 0) progress.check();
-    cuts[n] = cut_cells_of(values, box.block(n));
-  }, 64);
+  double cut_blocks = 0;
+  for (std::size_t first = 0; first < cuts.size(); first += kBatch) {
+    const std::size_t last = std::min(cuts.size(), first + kBatch);
+    parallel_for(last - first, [&](std::size_t n) {
+      if (n % 64 == 0) progress.check();
+      cuts[first + n] = cut_cells_of(values, box.block(first + n));
+    }, 64);
+    for (std::size_t n = first; n < last; ++n) cut_blocks += cuts[n].any();
+    require_memory(cut_blocks * kBytesPerBlock, options.memory_bytes, samples);
+  }
   double jump = 0, edges = 0;
   for (const CutCells& cut : cuts) jump += cut.jump, edges += cut.edges;
   if (edges == 0)
