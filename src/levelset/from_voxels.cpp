@@ -50,11 +50,13 @@ class LatticeValues {
   std::array<int, 2> extent(std::size_t axis) const { return {first_[axis], first_[axis] + static_cast<int>(nodes_[axis].size()) - 1}; }
 
   // Whether the cells of a block lie between voxels that are all on one side, as most of a volume does: then so are their nodes, which are means of these.
+  // Beyond the border nothing is inside, so that what is outside there stays so.
   bool is_plainly_on_one_side(const std::array<int, 3>& block) const {
     std::array<std::size_t, 3> low, count;
+    bool is_within = true;
     for (std::size_t a = 0; a < 3; ++a) {
       const AxisNode &from = node(a, kBlockSide * block[a]), &to = node(a, kBlockSide * block[a] + kBlockSide);
-      if (from.keep < 1 || to.keep < 1) return false;
+      is_within = is_within && from.keep >= 1 && to.keep >= 1;
       low[a] = from.voxel;
       count[a] = to.voxel + (to.weight > 0) + 1 - from.voxel;
     }
@@ -67,7 +69,7 @@ class LatticeValues {
         const float* const at = first + row * j + layer * k;
         for (std::size_t i = 0; i < count[0]; ++i) inside += is_inside(at[i]);
         seen += count[0];
-        if (inside != 0 && inside != seen) return false;
+        if (inside != 0 && (inside != seen || !is_within)) return false;
       }
     return true;
   }
