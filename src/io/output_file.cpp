@@ -145,15 +145,53 @@ void OutputFile::copy_to(int fd, const std::string& label) const {
 }
 
 void OutputFile::commit() {
+  OutputFile* const file = this;
+  commit({&file, 1});
+}
+
+void OutputFile::commit(std::span<OutputFile* const> files) {
+  for (OutputFile* file : files) file->flush_to_disk();
+  std::size_t done = 0;
+  try {
+    for (; done < files.size(); ++done) files[done]->put_in_place(done + 1 < files.size());
+  } catch (...) {
+    while (done > 0) files[--done]->take_back();
+    throw;
+  }
+  for (OutputFile* file : files) file->finish();
+}
+
+void OutputFile::flush_to_disk() {
   struct stat replaced {};
   if (overwrite_ && ::stat(destination_.c_str(), &replaced) == 0) ::fchmod(fd_, replaced.st_mode & 0777);
   // EINVAL: a file system that has nothing to flush.
   if (::fsync(fd_) != 0 && errno != EINVAL && errno != ENOTSUP) fail_errno(destination_, errno);
-  const int error = !overwrite_ ? rename_new(temporary_.c_str(), destination_.c_str())
-                    : ::rename(temporary_.c_str(), destination_.c_str()) != 0 ? errno
-                                                                              : 0;
+}
+
+void OutputFile::put_in_place(bool may_be_taken_back) {
+  const char *from = temporary_.c_str(), *to = destination_.c_str();
+  struct stat old {};
+  const bool replaces = overwrite_ && ::lstat(to, &old) == 0;
+  // A folder that appeared meanwhile would be exchanged too.
+  if (replaces && may_be_taken_back && !S_ISDIR(old.st_mode) && ::renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE) == 0) {
+    place_ = Place::exchanged;
+    return;
+  }
+  const int error = !overwrite_ ? rename_new(from, to) : ::rename(from, to) != 0 ? errno : 0;
   if (error == EEXIST) fail_exists(destination_);
   if (error != 0) fail_errno(destination_, error);
+  place_ = replaces ? Place::replaced : Place::fresh;
+}
+
+void OutputFile::take_back() noexcept {
+  const char *from = destination_.c_str(), *to = temporary_.c_str();
+  if (place_ == Place::exchanged) ::renameat2(AT_FDCWD, from, AT_FDCWD, to, RENAME_EXCHANGE);
+  if (place_ == Place::fresh) ::rename(from, to);
+  place_ = Place::temporary;
+}
+
+void OutputFile::finish() {
+  if (place_ == Place::exchanged) ::unlink(temporary_.c_str());
   release_slot(slot_);
   const int fd = fd_;
   fd_ = -1;

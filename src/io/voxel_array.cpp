@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstring>
 #include <vector>
 
@@ -18,6 +19,7 @@ namespace {
 constexpr std::size_t kGrain = std::size_t{1} << 16;   // numbers unpacked at once
 constexpr std::size_t kWindow = std::size_t{1} << 20;  // bytes inflated at once: whole numbers of any type
 constexpr std::size_t kMostPerCall = std::size_t{1} << 30;  // zlib counts in 32 bits
+constexpr double kTellApart = 0x1p-40;                      // of the largest coordinate: the least spacing, of which 4096 steps are left
 
 template <class T>
 T swapped(T value) {
@@ -154,6 +156,7 @@ void read_deflated(const Source& source, std::string_view stream, NumberLayout l
   Inflater inflater(source, stream);
   std::vector<char> window(kWindow);
   while (skip > 0) {
+    progress.check();
     const std::size_t n = inflater.read(window.data(), static_cast<std::size_t>(std::min<std::uint64_t>(skip, kWindow)));
     if (n == 0) too_few(source, total, 0);
     skip -= n;
@@ -207,6 +210,17 @@ std::string decode_base64(std::string_view text, std::size_t most) {
   }
   flush();
   return bytes;
+}
+
+void require_places(const Source& source, const VoxelVolume& volume) {
+  for (int axis = 0; axis < 3; ++axis) {
+    const double spacing = volume.spacing[axis], first = volume.origin[axis], last = first + spacing * (volume.nodes[static_cast<std::size_t>(axis)] - 1.0);
+    const double largest = std::max(std::abs(first), std::abs(last));
+    if (!(spacing >= kLeastLength && spacing <= kLargestLength))
+      source.fail(fmt::format("expected a spacing between {:g} and {:g}, found {:g}", kLeastLength, kLargestLength, spacing), "give it in another unit");
+    if (!(largest <= kLargestLength && spacing >= kTellApart * largest))
+      source.fail(fmt::format("expected voxels at places that can be told apart, found a spacing of {:g} at coordinates of {:g}", spacing, largest), "move the origin towards 0");
+  }
 }
 
 void reverse_axis(VoxelVolume& volume, std::size_t axis) {

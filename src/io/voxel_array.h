@@ -18,6 +18,7 @@ namespace burnish::detail {
 inline constexpr std::string_view kVoxelHint = "export the volume again; .vti and .nrrd with raw or zlib data are read";
 
 inline constexpr double kLargestLength = 1e60;  // of a spacing, or to an origin
+inline constexpr double kLeastLength = 1e-60;   // of a spacing
 
 struct NumberLayout {
   VoxelType type = VoxelType::float32;
@@ -45,6 +46,9 @@ void read_words(const Source& source, std::string_view text, std::span<float> to
 
 // The first `most` bytes of a base64 text, fewer if it ends. Blanks are skipped; padding may stand inside, where texts have been joined.
 std::string decode_base64(std::string_view text, std::size_t most);
+
+// Throws Error{unreadable_input} if coordinates do not tell the nodes apart: spacings beyond the limits above, or too small beside the origin.
+void require_places(const Source& source, const VoxelVolume& volume);
 
 // Turns the values round along an axis.
 void reverse_axis(VoxelVolume& volume, std::size_t axis);

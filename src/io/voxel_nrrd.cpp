@@ -34,7 +34,7 @@ std::string lower(std::string_view text) {
 
 // Names that mean the same.
 std::string field_named(std::string_view text) {
-  static const std::map<std::string, std::string> kSame{{"centerings", "centers"}, {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"}, {"axismins", "axis mins"}};
+  static const std::map<std::string, std::string> kSame{{"centerings", "centers"}, {"datafile", "data file"}, {"lineskip", "line skip"}, {"byteskip", "byte skip"}, {"axismins", "axis mins"}, {"axismaxs", "axis maxs"}};
   const std::string name = lower(text);
   const auto same = kSame.find(name);
   return same == kSame.end() ? name : same->second;
@@ -72,6 +72,7 @@ class NrrdReader {
     if (has("content")) volume.name = std::string(lines_.at("content").value);
     for (std::size_t a = 0; a < 3; ++a) volume.nodes[a] = static_cast<std::uint32_t>(sizes_[axes_[a]]);
     place_axes(volume);
+    require_places(source_, volume);
     fill(volume);
     for (std::size_t a = 0; a < 3; ++a)
       if (is_reversed_[a]) reverse_axis(volume, a);
@@ -133,6 +134,7 @@ class NrrdReader {
         source_.fail_at(sizes.at, fmt::format("expected {} sizes of at least 1, found {}", dimension, quoted(sizes.value)), kVoxelHint);
       sizes_.push_back(static_cast<std::uint64_t>(*size));
     }
+    if (!scan.at_end()) source_.fail_at(sizes.at, fmt::format("expected {} sizes, found {}", dimension, quoted(sizes.value)), kVoxelHint);
     read_directions();
     std::size_t left_out = kMostAxes;
     for (std::size_t a = sizes_.size(); dimension == 4 && a-- > 0;)
@@ -188,7 +190,7 @@ class NrrdReader {
 
   void place_axes(VoxelVolume& volume) {
     const bool has_directions = has("space directions");
-    const std::vector<double> spacings = per_axis("spacings", 1), mins = per_axis("axis mins", 0);
+    const std::vector<double> mins = per_axis("axis mins", 0), spacings = has("spacings") ? per_axis("spacings", 1) : spacings_between(mins);
     Vec3 origin;
     if (has("space origin")) {
       const Line line = lines_.at("space origin");
@@ -198,13 +200,25 @@ class NrrdReader {
     for (int axis = 0; axis < 3; ++axis) {
       const std::size_t file_axis = axes_[static_cast<std::size_t>(axis)];
       const double step = has_directions ? along(axis, directions_[file_axis]) : spacings[file_axis];
-      if (step == 0) source_.fail("expected spacings other than 0", kVoxelHint);
+      if (step == 0) source_.fail("expected spacings other than 0, and ends of axes that differ", kVoxelHint);
       const double half = has("axis mins") && is_cell_centered(file_axis) ? 0.5 * step : 0;
       const bool is_reversed = is_reversed_[static_cast<std::size_t>(axis)] = step < 0;
       const double first = origin[axis] + (has_directions ? 0 : mins[file_axis] + half);
       volume.spacing[axis] = std::abs(step);
       volume.origin[axis] = is_reversed ? first + step * (static_cast<double>(sizes_[file_axis]) - 1) : first;
     }
+  }
+
+  // Of axes of which only the ends are known: those of their cells, or their outermost samples.
+  std::vector<double> spacings_between(const std::vector<double>& mins) const {
+    std::vector<double> spacings(sizes_.size(), 1);
+    if (!has("axis mins") || !has("axis maxs")) return spacings;
+    const std::vector<double> maxs = per_axis("axis maxs", 0);
+    for (std::size_t a = 0; a < spacings.size(); ++a) {
+      const double steps = static_cast<double>(sizes_[a]) - (is_cell_centered(a) ? 0 : 1);
+      if (steps > 0) spacings[a] = (maxs[a] - mins[a]) / steps;
+    }
+    return spacings;
   }
 
   double along(int axis, const std::optional<Vec3>& direction) const {
@@ -234,12 +248,13 @@ class NrrdReader {
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(path, ignored)) source_.fail_at(line.at, fmt::format("the data file {} is not there, or is none", burnish::quoted(path)), "put it beside its header");
     detached_ = std::make_unique<MappedFile>(path);
+    detached_path_ = path;
     return detached_->bytes();
   }
 
   void fill(VoxelVolume& volume) {
     std::string_view bytes = data_bytes();
-    const Source data{detached_ ? detached_->bytes() : source_.bytes, source_.label, false, false};
+    const Source data{detached_ ? detached_->bytes() : source_.bytes, detached_ ? detached_path_ : source_.label, false, false};
     for (std::int64_t n = whole("line skip", 0); n > 0 && !bytes.empty(); --n) next_line(bytes);
     const std::int64_t skip = whole("byte skip", 0);
     const std::string encoding = lower(required("encoding").value);
@@ -272,6 +287,7 @@ class NrrdReader {
   std::map<std::string, Line> lines_;
   std::string_view attached_;
   std::unique_ptr<MappedFile> detached_;
+  std::string detached_path_;
   std::vector<std::uint64_t> sizes_;                   // of the file's axes
   std::vector<std::optional<Vec3>> directions_;        // of these
   std::array<std::size_t, 3> axes_{};                  // the file's axis behind x, y, z

@@ -80,6 +80,7 @@ class VtiReader {
     VoxelVolume volume = geometry(array);
     const auto type = type_named(array.type);
     if (!type) source_.fail_at(array.at, fmt::format("expected a type such as UInt16 or Float32, found {}", quoted(array.type)), kVoxelHint);
+    require_places(source_, volume);
     volume.type = *type;
     volume.name = array.name;
     fill(array, volume);
@@ -284,7 +285,7 @@ class VtiReader {
     std::vector<std::uint64_t> first{(3 + count) * word_};
     for (std::size_t b = 0; b < count; ++b) {
       const std::uint64_t size = word_at(head, 3 + b);
-      if (size > most) refuse_blocks(fmt::format("one of {} bytes in {}", size, most));
+      if (size > most - std::min(most, first.back())) refuse_blocks(fmt::format("one of {} bytes in {}", size, most));
       first.push_back(first.back() + size);
     }
     return first;

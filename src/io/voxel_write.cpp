@@ -139,6 +139,11 @@ void write_nrrd(int fd, const std::string& label, const VoxelSource& source, Pro
 
 }  // namespace
 
+std::uint64_t bytes_to_write_voxels(const std::array<std::uint32_t, 3>& nodes) {
+  constexpr std::uint64_t kCompressed = 2 * kPieces * kPiece;
+  return std::max<std::uint64_t>(kSlab, std::uint64_t{nodes[0]} * nodes[1]) * sizeof(float) + kCompressed;
+}
+
 void write_voxels(int fd, const std::string& label, const VoxelSource& source, VoxelFormat format, Progress& progress) {
   if (format == VoxelFormat::vti) return write_vti(fd, label, source, progress);
   write_nrrd(fd, label, source, progress);

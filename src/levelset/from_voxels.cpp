@@ -18,6 +18,8 @@ constexpr std::size_t kGrain = std::size_t{1} << 18;  // values looked at by one
 constexpr std::size_t kClasses = 4096;                // of a histogram
 constexpr double kMargin = 11;                        // cells between what is stored and the walls
 constexpr double kSameSpacing = 1e-3;                 // cells by which unequal spacings may drift apart over the whole volume
+constexpr double kBytesPerBlock = 10'000;              // near the surface: values, lists, and what redistancing holds
+constexpr std::size_t kBatch = std::size_t{1} << 16;   // blocks looked at between two looks at the budget
 constexpr float kLeastPhi = 1e-6f;                    // cells
 constexpr int kSide = kBlockSide + 1;                 // nodes along the edge of a block's cells
 
@@ -32,12 +34,11 @@ struct AxisNode {
 class LatticeValues {
  public:
   LatticeValues(const VoxelSamples& samples, double iso, bool inside_above, double cell, int margin)
-      : samples_(samples), iso_(iso), sign_(inside_above ? 1 : -1), margin_(margin) {
+      : samples_(samples), iso_(iso), sign_(inside_above ? 1 : -1) {
     for (int axis = 0; axis < 3; ++axis) {
       const std::size_t n = samples.nodes[static_cast<std::size_t>(axis)];
       double step = cell / samples.spacing[axis];  // a lattice step, in voxels
       if (std::abs(step - 1) * static_cast<double>(n) < kSameSpacing) step = 1;
-      has_lattice_of_voxels_ = has_lattice_of_voxels_ && step == 1;
       const auto last = static_cast<int>(std::ceil(static_cast<double>(n - 1) / step - 1e-9));
       first_[static_cast<std::size_t>(axis)] = margin - outside(step);
       auto& nodes = nodes_[static_cast<std::size_t>(axis)];
@@ -48,24 +49,27 @@ class LatticeValues {
   // The lattice coordinates, along an axis, between which values vary; beyond they are those of the ends.
   std::array<int, 2> extent(std::size_t axis) const { return {first_[axis], first_[axis] + static_cast<int>(nodes_[axis].size()) - 1}; }
 
-  // Whether the cells of a block lie between voxels that are lattice nodes, and all on one side: most of a volume.
+  // Whether the cells of a block lie between voxels that are all on one side, as most of a volume does: then so are their nodes, which are means of these.
+  // Beyond the border nothing is inside, so that what is outside there stays so.
   bool is_plainly_on_one_side(const std::array<int, 3>& block) const {
-    std::array<std::size_t, 3> low;
+    std::array<std::size_t, 3> low, count;
+    bool is_within = true;
     for (std::size_t a = 0; a < 3; ++a) {
-      const int from = kBlockSide * block[a] - margin_;
-      if (!has_lattice_of_voxels_ || from < 0 || from + kBlockSide >= static_cast<int>(samples_.nodes[a])) return false;
-      low[a] = static_cast<std::size_t>(from);
+      const AxisNode &from = node(a, kBlockSide * block[a]), &to = node(a, kBlockSide * block[a] + kBlockSide);
+      is_within = is_within && from.keep >= 1 && to.keep >= 1;
+      low[a] = from.voxel;
+      count[a] = to.voxel + (to.weight > 0) + 1 - from.voxel;
     }
     const auto is_inside = [&](float value) { return sign_ * (static_cast<double>(value) - iso_) > 0; };
     const std::size_t row = samples_.nodes[0], layer = row * samples_.nodes[1];
     const float* const first = samples_.values.data() + low[0] + row * low[1] + layer * low[2];
-    int inside = 0, seen = 0;
-    for (std::size_t k = 0; k < kSide; ++k)
-      for (std::size_t j = 0; j < kSide; ++j) {
+    std::size_t inside = 0, seen = 0;
+    for (std::size_t k = 0; k < count[2]; ++k)
+      for (std::size_t j = 0; j < count[1]; ++j) {
         const float* const at = first + row * j + layer * k;
-        for (std::size_t i = 0; i < kSide; ++i) inside += is_inside(at[i]);
-        seen += kSide;
-        if (inside != 0 && inside != seen) return false;
+        for (std::size_t i = 0; i < count[0]; ++i) inside += is_inside(at[i]);
+        seen += count[0];
+        if (inside != 0 && (inside != seen || !is_within)) return false;
       }
     return true;
   }
@@ -73,7 +77,7 @@ class LatticeValues {
   // Never 0.
   double operator()(const std::array<int, 3>& at) const {
     const AxisNode &x = node(0, at[0]), &y = node(1, at[1]), &z = node(2, at[2]);
-    const double value = sign_ * (interpolated(x, y, z) - iso_), keep = std::min({x.keep, y.keep, z.keep});
+    const double value = sign_ * interpolated(x, y, z), keep = std::min({x.keep, y.keep, z.keep});
     if (!(value > 0)) return value < 0 ? value : -std::numeric_limits<double>::min();
     return keep > 0 ? value * keep : keep < 0 ? value * keep : -std::numeric_limits<double>::min();  // [T-VOXEL-2]
   }
@@ -96,22 +100,21 @@ class LatticeValues {
     return nodes_[axis][static_cast<std::size_t>(std::clamp(at - first_[axis], 0, static_cast<int>(nodes_[axis].size()) - 1))];
   }
 
+  // Less the iso value: of differences, whose mean has their sign if they have the same.
   double interpolated(const AxisNode& x, const AxisNode& y, const AxisNode& z) const {
     const std::size_t row = samples_.nodes[0], layer = row * samples_.nodes[1];
     const float* at = samples_.values.data() + x.voxel + row * y.voxel + layer * z.voxel;
-    if (x.weight + y.weight + z.weight == 0) return static_cast<double>(*at);
+    if (x.weight + y.weight + z.weight == 0) return static_cast<double>(*at) - iso_;
     double sum = 0;
     for (std::size_t c = 0; c < 8; ++c) {
       const double weight = (c & 1 ? x.weight : 1 - x.weight) * (c & 2 ? y.weight : 1 - y.weight) * (c & 4 ? z.weight : 1 - z.weight);
-      if (weight > 0) sum += weight * static_cast<double>(at[(c & 1) + (c & 2 ? row : 0) + (c & 4 ? layer : 0)]);
+      if (weight > 0) sum += weight * (static_cast<double>(at[(c & 1) + (c & 2 ? row : 0) + (c & 4 ? layer : 0)]) - iso_);
     }
     return sum;
   }
 
   const VoxelSamples& samples_;
   double iso_, sign_;
-  int margin_;
-  bool has_lattice_of_voxels_ = true;
   std::array<std::vector<AxisNode>, 3> nodes_;
   std::array<int, 3> first_{};
 };
@@ -211,6 +214,16 @@ GridFrame frame_of(const VoxelSamples& samples, double cell, int margin) {
     ++frame.depth;
   }
   return frame;
+}
+
+// What there would be along the other axes' voxels is one lattice node: unequal spacings can make very many.
+void require_memory(double bytes, std::uint64_t budget, const VoxelSamples& samples) {
+  if (bytes <= static_cast<double>(budget)) return;
+  const auto& [x, y, z] = samples.spacing;
+  throw Error(ErrorCode::memory_limit,
+              fmt::format("a level set with cells of {:.4g}, the least of the spacings {:.4g}, {:.4g}, {:.4g}, takes at least {:.1f} GB; the budget is {:.1f} GB", cell_of(samples), x, y, z,
+                          bytes * 0x1p-30, static_cast<double>(budget) * 0x1p-30),
+              "resample the volume with spacings that are alike, crop it, or raise --memory");
 }
 
 SurfaceOctree octree_of(int depth, const std::vector<std::uint64_t>& finest) {
@@ -343,16 +356,25 @@ LevelSetFromVoxels level_set_from_voxels(const VoxelSamples& samples, double iso
     box.low[a] = low / kBlockSide;
     box.sides[a] = high / kBlockSide - box.low[a] + 1;
   }
+  require_memory(static_cast<double>(box.size()) * sizeof(CutCells), options.memory_bytes, samples);
   std::vector<CutCells> cuts(box.size());
-  parallel_for(cuts.size(), [&](std::size_t n) {
-    if (n % 64 == 0) progress.check();
-    cuts[n] = cut_cells_of(values, box.block(n));
-  }, 64);
+  double cut_blocks = 0;
+  for (std::size_t first = 0; first < cuts.size(); first += kBatch) {
+    const std::size_t last = std::min(cuts.size(), first + kBatch);
+    parallel_for(last - first, [&](std::size_t n) {
+      if (n % 64 == 0) progress.check();
+      cuts[first + n] = cut_cells_of(values, box.block(first + n));
+    }, 64);
+    for (std::size_t n = first; n < last; ++n) cut_blocks += cuts[n].any();
+    require_memory(cut_blocks * kBytesPerBlock, options.memory_bytes, samples);
+  }
   double jump = 0, edges = 0;
   for (const CutCells& cut : cuts) jump += cut.jump, edges += cut.edges;
   if (edges == 0)
     throw Error(ErrorCode::guarantee_unmet, fmt::format("no voxel is {} {}: there is no surface", inside_above ? "above" : "below", iso), "choose another --iso");
-  set.grid = octree_of(set.frame.depth, blocks_near(cuts, box, reach));
+  const std::vector<std::uint64_t> near = blocks_near(cuts, box, reach);
+  require_memory(static_cast<double>(near.size()) * kBytesPerBlock, options.memory_bytes, samples);
+  set.grid = octree_of(set.frame.depth, near);
   set.phi = scaled_values(values, set.grid, jump / edges, static_cast<float>(options.band));
   redistance(set, options.band, progress);
   result.border_voxels = border_voxels_inside(samples, iso, inside_above);

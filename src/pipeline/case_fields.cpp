@@ -82,10 +82,12 @@ void CaseFieldFile::write(const std::vector<double>& values) {
   if (file_) write_foam_field(*file_, *field_, values);
 }
 
-void CaseFieldFile::publish() {
-  if (!file_) return;
-  file_->commit();
-  told_.written = true;
+void CaseFieldFile::publish(const std::vector<std::unique_ptr<CaseFieldFile>>& fields) {
+  std::vector<OutputFile*> files;
+  for (const auto& field : fields)
+    if (field->file_) files.push_back(field->file_.get());
+  OutputFile::commit(files);
+  for (const auto& field : fields) field->told_.written = field->file_ != nullptr;
 }
 
 }  // namespace burnish

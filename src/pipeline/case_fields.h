@@ -25,7 +25,8 @@ class CaseFieldFile {
   void set_values(const std::vector<PatchValue>& values, const std::vector<MeshPatch>& patches);
   // To the temporary file; `publish` gives it its name.
   void write(const std::vector<double>& values);
-  void publish();
+  // All or none of them, as OutputFile::commit does it. A field that is a link to a file is that file: the link stays.
+  static void publish(const std::vector<std::unique_ptr<CaseFieldFile>>& fields);
 
   const CaseField& told() const { return told_; }
 

@@ -10,6 +10,7 @@
 #include "burnish/levelset/from_triangles.h"
 #include "field_output.h"
 #include "read_input.h"
+#include "staged_run.h"
 
 namespace burnish {
 namespace {
@@ -75,9 +76,9 @@ CellGrid cells_of(const SurfaceOctree& grid, const std::vector<std::uint32_t>& s
 }
 
 // One run: the stages write into the result as they go.
-class CellOctreeRun {
+class CellOctreeRun : StagedRun {
  public:
-  CellOctreeRun(const CellOctreeJob& job, Progress& progress) : job_(job), progress_(progress), output_(job.output, job.overwrite) {
+  CellOctreeRun(const CellOctreeJob& job, Progress& progress) : StagedRun(progress), job_(job), output_(job.output, job.overwrite) {
     if (output_.is_wanted() && !holds_cells(output_.format()))
       throw Error(ErrorCode::usage, fmt::format("{}: an octree of cells has no distances to be sampled", job.output), "write a .vtu or a .htg");
   }
@@ -101,12 +102,6 @@ class CellOctreeRun {
   }
 
  private:
-  void begin(const std::string& stage) {
-    progress_.check();
-    clock_.begin(stage);
-    progress_.begin_stage(stage);
-  }
-
   void read() {
     RepairReport report;
     soup_ = read_input(job_.input, job_.salvage, {}, report);
@@ -152,9 +147,7 @@ class CellOctreeRun {
   }
 
   const CellOctreeJob& job_;
-  Progress& progress_;
   FieldOutput output_;
-  StageClock clock_;
   TriangleSoup soup_;  // welded, otherwise as read; from the growth on in lattice units
   GridFrame frame_;
   CellOctreeResult result_;

@@ -219,7 +219,7 @@ class FieldRun : SolidRun {
     if (!curvature.empty()) choice.curvature = &curvature;
     (is_vtu ? choice.within : choice.clamp) = narrow_band();
     const OctreeCells cells(built_, input_facet, job_.cells, choice);
-    const std::uint64_t held = result_.grid.bytes + built_.nearest.bytes() + accepted_.bytes() + marks_.bytes() + curvature.bytes() + built_.certainty.bytes();
+    const std::uint64_t held = held_bytes() + curvature.bytes();
     output_.require_memory(cells.count(), held, job_.options.memory_bytes,
                            job_.cells == FieldCells::blocks
                                ? "choose a larger --cell, or raise --memory"
@@ -227,6 +227,8 @@ class FieldRun : SolidRun {
     begin(FieldOutput::stage(cells.count()));
     output_.write(cells.grid(), progress_);
   }
+
+  std::uint64_t held_bytes() const { return result_.grid.bytes + built_.nearest.bytes() + accepted_.bytes() + marks_.bytes() + built_.certainty.bytes(); }
 
   void write_samples() {
     const LevelSet& set = built_.level_set;
@@ -237,9 +239,10 @@ class FieldRun : SolidRun {
     const FieldSamples samples = are_exact ? FieldSamples(set, facets, built_.roles, built_.nearest, std::max(band, half_width)) : FieldSamples(set);
     if (output_.format() == FieldFormat::vdb) {
       begin("writing");
-      return output_.write(set, samples, half_width, progress_);
+      return output_.write(set, samples, half_width, held_bytes(), job_.options.memory_bytes, progress_);
     }
     const SampleGrid grid = sample_grid(job_.content, report_.before.box, report_.options.cell);
+    output_.require_memory(grid, held_bytes(), job_.options.memory_bytes);
     begin(FieldOutput::stage(std::size_t{grid.nodes[0]} * grid.nodes[1] * grid.nodes[2], "samples"));
     output_.write(grid, samples, set.frame, narrow_band(), progress_);
   }

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <utility>
 #include <vector>
 
@@ -18,7 +19,7 @@ namespace {
 
 constexpr std::size_t kManyCells = 50'000'000;  // from here on, their number is said before they are written
 constexpr double kMargin = 0.05;               // of the longest side, around a model
-constexpr double kMostSamples = 0x1p33;
+constexpr double kMostSamples = 0x1p33, kMostAlong = 0x1p31;
 constexpr std::size_t kGrain = 256;            // samples, and then blocks
 constexpr double kHalfDiagonal = 0.8660254037844386 * kBlockSide;
 
@@ -30,35 +31,46 @@ float in_model_units(double phi, double cell, const std::optional<double>& clamp
 // The blocks of finest cells in which a voxel may be nearer to the surface than the half width. [T-EXPORT-3]
 class BandBlocks {
  public:
+  using Corner = std::array<std::int32_t, 3>;
+
   BandBlocks(const LevelSet& set, double half_width) : set_(set), half_width_(half_width) {
     const Octree& tree = set.octree();
-    std::vector<std::vector<std::array<std::int32_t, 3>>> found(tree.size());
-    parallel_for(tree.size(), [&](std::size_t leaf) {
-      const LatticeNode corner = lattice_node(tree, leaf, 0, 0, 0);
-      divide({corner.x, corner.y, corner.z}, tree.level(leaf), found[leaf]);
-    }, 16);
-    for (const auto& blocks : found) all_.insert(all_.end(), blocks.begin(), blocks.end());
+    first_.assign(tree.size() + 1, 0);
+    parallel_for(tree.size(), [&](std::size_t leaf) { visit(leaf, [&](const Corner&) { ++first_[leaf + 1]; }); }, 16);
+    std::partial_sum(first_.begin(), first_.end(), first_.begin());
   }
 
-  std::vector<std::array<std::int32_t, 3>> take() { return std::move(all_); }
+  std::size_t count() const { return first_.back(); }
+  std::vector<Corner> corners() const {
+    std::vector<Corner> all(count());
+    parallel_for(first_.size() - 1, [&](std::size_t leaf) { visit(leaf, [&, next = first_[leaf]](const Corner& c) mutable { all[next++] = c; }); }, 16);
+    return all;
+  }
 
  private:
   // Distances differ by no more than points do; the cell more is for what interpolation is off in coarse cells.
-  void divide(const std::array<std::int32_t, 3>& corner, int level, std::vector<std::array<std::int32_t, 3>>& blocks) const {
+  template <class Found>
+  void divide(const Corner& corner, int level, Found& found) const {
     const std::int32_t half = (kBlockSide / 2) << level;
     const double phi = node_value(set_.octree(), set_.phi, {corner[0] + half, corner[1] + half, corner[2] + half});
     if (std::abs(phi) > half_width_ + (kHalfDiagonal + 1) * (1 << level)) return;
-    if (level == 0) return blocks.push_back(corner);
+    if (level == 0) return found(corner);
     for (int child = 0; child < 8; ++child) {
-      std::array<std::int32_t, 3> at = corner;
+      Corner at = corner;
       for (std::size_t a = 0; a < 3; ++a) at[a] += (child >> a & 1) * half;
-      divide(at, level - 1, blocks);
+      divide(at, level - 1, found);
     }
+  }
+
+  template <class Found>
+  void visit(std::size_t leaf, Found found) const {
+    const LatticeNode corner = lattice_node(set_.octree(), leaf, 0, 0, 0);
+    divide({corner.x, corner.y, corner.z}, set_.octree().level(leaf), found);
   }
 
   const LevelSet& set_;
   double half_width_;
-  std::vector<std::array<std::int32_t, 3>> all_;
+  std::vector<std::size_t> first_;  // number of each leaf's first block, and the count
 };
 
 // Samples at the nodes of a block of finest cells: those that are stored, or between them.
@@ -94,7 +106,7 @@ SampleGrid sample_grid(const FieldContent& content, const Box3& model, double ce
   for (int a = 0; a < 3; ++a) {
     const double steps = std::ceil((box.upper[a] - box.lower[a]) / grid.spacing * (1 - 1e-9));
     all *= steps + 1;
-    if (all > kMostSamples)
+    if (all > kMostSamples || steps >= kMostAlong)
       throw Error(ErrorCode::memory_limit, fmt::format("a spacing of {:.4g} makes more than {:.3g} samples", grid.spacing, kMostSamples), "choose a larger --spacing, fewer --samples, or a smaller --box");
     grid.nodes[static_cast<std::size_t>(a)] = static_cast<std::uint32_t>(steps) + 1;
   }
@@ -109,13 +121,19 @@ FieldOutput::FieldOutput(const std::string& path, bool overwrite) {
   file_.emplace(path, overwrite);
 }
 
-void FieldOutput::require_memory(std::size_t cells, std::uint64_t held, std::uint64_t budget, const std::string& hint) const {
-  const std::uint64_t needed = held + bytes_to_write_field(cells, format_);
+void FieldOutput::refuse_beyond(std::uint64_t budget, std::uint64_t needed, const std::string& what, const std::string& hint) const {
   if (needed <= budget) return;
   throw Error(ErrorCode::memory_limit,
-              fmt::format("{}: writing {} cells takes about {:.1f} GB; the budget is {:.1f} GB", told_.file, cells,
-                          static_cast<double>(needed) * 0x1p-30, static_cast<double>(budget) * 0x1p-30),
-              hint);
+              fmt::format("{}: writing {} takes about {:.1f} GB; the budget is {:.1f} GB", told_.file, what, static_cast<double>(needed) * 0x1p-30, static_cast<double>(budget) * 0x1p-30), hint);
+}
+
+void FieldOutput::require_memory(std::size_t cells, std::uint64_t held, std::uint64_t budget, const std::string& hint) const {
+  refuse_beyond(budget, held + bytes_to_write_field(cells, format_), fmt::format("{} cells", cells), hint);
+}
+
+void FieldOutput::require_memory(const SampleGrid& grid, std::uint64_t held, std::uint64_t budget) const {
+  const std::uint64_t layer = std::uint64_t{grid.nodes[0]} * grid.nodes[1];
+  refuse_beyond(budget, held + bytes_to_write_voxels(grid.nodes), fmt::format("layers of {} samples", layer), "choose a larger --spacing, fewer --samples, or a smaller --box, or raise --memory");
 }
 
 std::string FieldOutput::stage(std::size_t count, const char* what) {
@@ -159,8 +177,10 @@ void FieldOutput::write(const SampleGrid& grid, const FieldSamples& samples, con
   told_.spacing = grid.spacing;
 }
 
-void FieldOutput::write(const LevelSet& set, const FieldSamples& samples, double half_width, Progress& progress) {
-  VdbSource source{set.frame.origin, set.frame.cell, half_width, "surface", BandBlocks(set, half_width).take(), {}};
+void FieldOutput::write(const LevelSet& set, const FieldSamples& samples, double half_width, std::uint64_t held, std::uint64_t budget, Progress& progress) {
+  const BandBlocks blocks(set, half_width);
+  refuse_beyond(budget, held + blocks.count() * kVdbBytesPerBlock, fmt::format("{} blocks of voxels", blocks.count()), "choose a smaller --narrow-band or a larger --cell, or raise --memory");
+  VdbSource source{set.frame.origin, set.frame.cell, half_width, "surface", blocks.corners(), {}};
   source.fill = [&](std::size_t block, std::span<float> phi) { sample_block(set, samples, source.blocks[block], phi); };
   told_.voxel_count = write_vdb(file_->fd(), file_->destination(), source, progress).active_voxels;
   commit();

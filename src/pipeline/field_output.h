@@ -34,6 +34,8 @@ class FieldOutput {
 
   // Throws Error{memory_limit} with the hint if writing so many cells beside `held` bytes takes more than the budget.
   void require_memory(std::size_t cells, std::uint64_t held, std::uint64_t budget, const std::string& hint) const;
+  // The same of samples, of which a layer at least is held at once.
+  void require_memory(const SampleGrid& grid, std::uint64_t held, std::uint64_t budget) const;
   // "writing", with the number of cells, or of samples, if they are many.
   static std::string stage(std::size_t count, const char* what = "cells");
 
@@ -42,13 +44,16 @@ class FieldOutput {
   // A .vti or .nrrd; |phi| ends at `clamp` finest cells, if that is set.
   void write(const SampleGrid& grid, const FieldSamples& samples, const GridFrame& frame, const std::optional<double>& clamp, Progress& progress);
   // A .vdb: voxels are the finest cells, index points the lattice's nodes, `half_width` the band's half width in voxels. [T-EXPORT-3]
-  void write(const LevelSet& set, const FieldSamples& samples, double half_width, Progress& progress);
+  // Throws Error{memory_limit} if that takes, beside `held` bytes, more than the budget.
+  void write(const LevelSet& set, const FieldSamples& samples, double half_width, std::uint64_t held, std::uint64_t budget, Progress& progress);
 
   // file, format, and once it is written the rest; `cells` is the caller's.
   const FieldFile& told() const { return told_; }
 
  private:
   void commit();
+  // Throws if `needed` bytes are more than the budget.
+  void refuse_beyond(std::uint64_t budget, std::uint64_t needed, const std::string& what, const std::string& hint) const;
 
   FieldFormat format_ = FieldFormat::vtu;
   FieldFile told_;

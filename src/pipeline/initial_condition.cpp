@@ -20,6 +20,7 @@
 #include "model_units.h"
 #include "repaired_surface.h"
 #include "solid_field.h"
+#include "staged_run.h"
 
 namespace burnish {
 namespace {
@@ -31,9 +32,9 @@ constexpr int kMostCoarsened = 64;
 constexpr std::string_view kFractionDimensions = "[0 0 0 0 0 0 0]", kLengthDimensions = "[0 1 0 0 0 0 0]";
 
 // One run: the stages write into the result as they go.
-class InitialConditionRun {
+class InitialConditionRun : StagedRun {
  public:
-  InitialConditionRun(const InitialConditionJob& job, Progress& progress) : job_(job), progress_(progress) {
+  InitialConditionRun(const InitialConditionJob& job, Progress& progress) : StagedRun(progress), job_(job) {
     result_.input = job.input;
     result_.case_folder = job.case_folder;
     result_.region = job.region;
@@ -45,6 +46,7 @@ class InitialConditionRun {
   ~InitialConditionRun() {
     while (!fields_.empty()) fields_.pop_back();
   }
+
   InitialConditionResult run() {
     read_case();
     choose_fields();
@@ -61,12 +63,6 @@ class InitialConditionRun {
   }
 
  private:
-  void begin(const std::string& stage) {
-    progress_.check();
-    clock_.begin(stage);
-    progress_.begin_stage(stage);
-  }
-
   void read_case() {
     begin("reading the mesh");
     result_.time = job_.time ? time_folder(job_.case_folder, *job_.time) : start_time_folder(job_.case_folder);
@@ -132,7 +128,7 @@ class InitialConditionRun {
   }
 
   void measure_exactly() {
-    clock_.begin("volume fractions");
+    begin("volume fractions");
     fractions_ = exact_volume_fractions(case_.mesh, geometry_, faces_, surface_, progress_);
     FractionSummary& told = result_.alpha;
     const double solid = result_.solid.volume;
@@ -169,7 +165,7 @@ class InitialConditionRun {
                                                        static_cast<double>(job_.options.memory_bytes) * 0x1p-30),
                   "choose a larger --cell, or raise --memory");
     const SolidLevelSet solid = solid_level_set(surface_, result_.alpha.cell, reach, progress_);
-    clock_.begin("cutting cells");
+    begin("cutting cells");
     fractions_ = method_ == FractionMethod::linear ? linear_volume_fractions(case_.mesh, geometry_, faces_, solid.field, {}, progress_)
                                                    : curved_volume_fractions(case_.mesh, geometry_, faces_, solid.field, {}, progress_);
     result_.alpha.difference = fractions_.volume - result_.alpha.in_mesh;
@@ -207,14 +203,12 @@ class InitialConditionRun {
     }
     begin("writing");
     fields_.front()->write(fractions_.alpha);
-    for (const auto& field : fields_) field->publish();
+    CaseFieldFile::publish(fields_);
   }
 
   void warn(std::string text) { result_.warnings.push_back(std::move(text)); }
 
   const InitialConditionJob& job_;
-  Progress& progress_;
-  StageClock clock_;
   FractionMethod method_ = FractionMethod::exact;
   InitialConditionResult result_;
   FoamMesh case_;

@@ -418,12 +418,12 @@ std::optional<Error> reason_for_no_solid(const TriangleSoup& welded, const Prepa
     return Error(ErrorCode::guarantee_unmet,
                  fmt::format("no solid: an open sheet; its {} open edges in {} loops would need caps of {:.0f} % of the input's area",
                              before.open_edges, before.open_loops, 100 * prepared.capped.cap_area / input_area),
-                 "--keep-openings cleans it as the open sheet it is; --thicken T makes it a shell of thickness T");
+                 "--keep-openings of 'burnish IN -o OUT' cleans it as the open sheet it is; its --thicken T makes it a shell of thickness T");
   if (roundness < kFlatRoundness)
     return Error(ErrorCode::guarantee_unmet,
                  fmt::format("no solid: the surface encloses a volume of {:.3g} with an area of {:.3g}: it is flat, or its parts cancel",
                              std::abs(signed_volume(prepared.capped.soup)), input_area),
-                 "--thicken T makes it a shell of thickness T; or check that the facets' orientation is consistent");
+                 "--thicken T of 'burnish IN -o OUT' makes it a shell of thickness T; or check that the facets' orientation is consistent");
   return std::nullopt;
 }
 

@@ -33,8 +33,8 @@ TriangleSoup recentred(TriangleSoup soup, Vec3& moved_by) {
 void warn_of_large_caps(const PreparedInput& prepared, RepairReport& report) {
   const double share = prepared.capped.cap_area / std::max(report.before.area, 1e-300);
   if (share <= kLargeCaps) return;
-  report.warnings.push_back(fmt::format("closing the {} open loops added {:.0f} % to the area; if the model is meant to be open there, clean it with "
-                                        "--keep-openings, or give it a thickness with --thicken T",
+  report.warnings.push_back(fmt::format("closing the {} open loops added {:.0f} % to the area; if the model is meant to be open there, 'burnish IN -o OUT' "
+                                        "cleans it with --keep-openings, or gives it a thickness with --thicken T",
                                         report.actions.open_loops_capped, 100 * share));
 }
 

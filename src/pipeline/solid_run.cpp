@@ -4,12 +4,6 @@
 
 namespace burnish {
 
-void SolidRun::begin(const std::string& stage) {
-  progress_.check();
-  clock_.begin(stage);
-  progress_.begin_stage(stage);
-}
-
 void SolidRun::read(bool salvage, const CleanOptions& options) {
   begin("reading");
   input_ = read_input(report_.input, salvage, options, report_);

@@ -3,26 +3,22 @@
 
 #include <string>
 
-#include "burnish/core/timer.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/pipeline/report.h"
 #include "burnish/surface/inspect.h"
 #include "prepare_input.h"
+#include "staged_run.h"
 
 namespace burnish {
 
-class SolidRun {
+class SolidRun : protected StagedRun {
  protected:
-  SolidRun(const std::string& input, Progress& progress) : progress_(progress) { report_.input = input; }
+  SolidRun(const std::string& input, Progress& progress) : StagedRun(progress) { report_.input = input; }
 
-  // The next stage: may be interrupted, is timed and told.
-  void begin(const std::string& stage);
   void read(bool salvage, const CleanOptions& options);
   // Inspects, orients and caps the input. False if it bounds no solid, and that was needed: report_.failure says why.
   bool prepare(const CleanOptions& options);
 
-  Progress& progress_;
-  StageClock clock_;
   RepairReport report_;  // also what preparation tells other runs than repairs
   TriangleSoup input_;   // welded, otherwise as read
   Inspection inspection_;

@@ -12,7 +12,8 @@
 namespace burnish {
 namespace {
 
-std::string format_of(const std::string& path) { return path.ends_with(".vti") || path.ends_with(".VTI") ? "vti" : "nrrd"; }
+// Of a path that is_voxel_file knows.
+std::string format_of(const std::string& path) { return path.ends_with('i') || path.ends_with('I') ? "vti" : "nrrd"; }
 
 }  // namespace
 
@@ -24,7 +25,7 @@ bool is_volume(const std::string& path, const VolumeOptions& options) {
 }
 
 VolumeInput::VolumeInput(const std::string& path, const VolumeOptions& options, std::uint64_t memory, RepairReport& report, Progress& progress)
-    : volume_(read_voxels(path, options.array, memory, progress)), below_(options.below) {
+    : volume_(read_voxels(path, options.array, memory, progress)), memory_(memory - volume_.values.size() * sizeof(float)), below_(options.below) {
   report.input_format = format_of(path);
   ValueRange range;
   try {
@@ -50,7 +51,7 @@ double VolumeInput::chosen_iso(const std::string& path, const VolumeOptions& opt
 }
 
 LevelSetFromVoxels VolumeInput::level_set(double band, double room, Progress& progress) const {
-  return level_set_from_voxels(samples(), iso_, !below_, {.band = band, .room = room}, progress);
+  return level_set_from_voxels(samples(), iso_, !below_, {.band = band, .room = room, .memory_bytes = memory_}, progress);
 }
 
 TriangleSoup VolumeInput::surface(RepairReport& report, Progress& progress) const {

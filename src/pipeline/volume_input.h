@@ -32,6 +32,7 @@ class VolumeInput {
   double chosen_iso(const std::string& path, const VolumeOptions& options, const ValueRange& range) const;
 
   VoxelVolume volume_;
+  std::uint64_t memory_ = 0;  // budget, beside the values
   double iso_ = 0;
   bool below_ = false, is_binary_ = false;
 };

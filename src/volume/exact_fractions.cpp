@@ -82,7 +82,6 @@ class ExactFractions {
       : mesh_(mesh), geometry_(geometry), faces_(faces), solid_(solid), tree_(solid, all_facets(solid)) {}
 
   VolumeFractions run(Progress& progress) {
-    progress.begin_stage("volume fractions");
     result_.alpha.assign(mesh_.cells, 0);
     touched_.assign(mesh_.cells, kFar);
     light_ = geometry_.middle;

@@ -164,7 +164,6 @@ std::vector<double> whole_fractions(const NearCells& near) {
 
 VolumeFractions linear_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces, const SolidField& field,
                                         const FractionOptions& options, Progress& progress) {
-  progress.begin_stage("volume fractions");
   const NearCells near = near_cells(mesh, geometry, faces, field, progress);
   VolumeFractions result;
   result.alpha = whole_fractions(near);

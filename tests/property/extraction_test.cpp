@@ -16,6 +16,7 @@
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/weld.h"
 #include "support/level_sets.h"
+#include "support/repetitions.h"
 
 namespace burnish {
 namespace {
@@ -132,7 +133,7 @@ bool same_bits(const TriangleSoup& a, const TriangleSoup& b) {
 }
 
 TEST(Extraction, AnyNoiseOnAUniformOctree) {
-  for (std::uint64_t seed = 1; seed <= 36; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(36, 12); ++seed) {
     Engine engine(seed);
     const Octree tree = Octree::build(1, all_blocks(1));
     const Magnitudes kind = kMagnitudes[seed % kMagnitudes.size()];
@@ -148,7 +149,7 @@ TEST(Extraction, AnyNoiseOnAUniformOctree) {
 }
 
 TEST(Extraction, AnyNoiseAcrossLevelJumps) {
-  for (std::uint64_t seed = 1; seed <= 18; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(18, 6); ++seed) {
     Engine engine(seed);
     const int depth = seed % 3 ? 2 : 3;
     const Octree tree = random_octree(engine, depth, 1 + engine() % 6);
@@ -165,7 +166,7 @@ TEST(Extraction, AnyNoiseAcrossLevelJumps) {
 }
 
 TEST(Extraction, SmoothFieldsOnAnyOctree) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(12, 4); ++seed) {
     Engine engine(seed);
     const Octree tree = seed % 2 ? Octree::build(1, all_blocks(1)) : random_octree(engine, 3, 1 + engine() % 8);
     const Waves waves(engine, uniform(engine, 3, 16));
@@ -179,8 +180,9 @@ TEST(Extraction, SmoothFieldsOnAnyOctree) {
 
 // A leaf has 8 cells a side, so a cell meets finer leaves through at most three faces, one an axis, and the edges and
 // the corner between them. All of these, at all eight corners of a leaf: bit (|dx| + 2 |dy| + 4 |dz|) - 1 of the mask
-// says whether the neighbours in the directions (dx, dy, dz) are finer.
+// says whether the neighbours in the directions (dx, dy, dz) are finer. Under sanitizers each with one of the two noises.
 TEST(Extraction, EverySplitOfATransitionCell) {
+  constexpr std::uint64_t kRounds = repetitions(2, 1);
   std::size_t transition_cells = 0;
   for (unsigned finer = 1; finer < 128; ++finer) {
     std::vector<std::uint64_t> finest;
@@ -192,8 +194,8 @@ TEST(Extraction, EverySplitOfATransitionCell) {
     }
     const Octree tree = Octree::build(3, finest);
     ASSERT_EQ(tree.level(tree.find({2, 2, 2})), 1);
-    for (std::uint64_t round = 0; round < 2; ++round) {
-      const std::uint64_t seed = 2 * finer + round;
+    for (std::uint64_t first = 0; first < kRounds; ++first) {
+      const std::uint64_t round = kRounds == 2 ? first : finer % 2, seed = 2 * finer + round;
       Noise noise{Engine(seed), round ? 0.5 : 0.2, kMagnitudes[seed % kMagnitudes.size()]};
       // Around the corners of the leaf from 16 to 32.
       const auto near = [](int x) { return std::abs(x - 16) <= 2 || std::abs(x - 32) <= 2; };
@@ -207,18 +209,18 @@ TEST(Extraction, EverySplitOfATransitionCell) {
       }
     }
   }
-  EXPECT_GT(transition_cells, 50'000u);
+  EXPECT_GT(transition_cells, kRounds * 25'000u);
 }
 
 // The sides of a node's 14 neighbours in all 2^14 ways, the node itself close to all its crossings: all answers to
-// whether the surface around a moved node is one disc.
+// whether the surface around a moved node is one disc. Under sanitizers a quarter of them.
 TEST(Extraction, EveryStarOfANodeThatWantsToMove) {
   constexpr std::array<std::array<int, 3>, 14> kSteps{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {1, 1, 0}, {1, 0, 1}, {0, 1, 1}, {1, 1, 1},
                                                        {-1, 0, 0}, {0, -1, 0}, {0, 0, -1}, {-1, -1, 0}, {-1, 0, -1}, {0, -1, -1},
                                                        {-1, -1, -1}}};
   constexpr int kTiles = 7;  // a side, of 4 nodes each; the node at the middle of its tile
   const Octree tree = Octree::build(2, all_blocks(2));
-  for (unsigned first = 0; first < 1u << 14; first += kTiles * kTiles * kTiles) {
+  for (unsigned first = 0; first < 1u << 14; first += kTiles * kTiles * kTiles * static_cast<unsigned>(repetitions(1, 4))) {
     Engine engine(first);
     const auto value = [&](const LatticeNode& n) {
       const std::array<int, 3> tile{n.x / 4, n.y / 4, n.z / 4}, at{n.x % 4 - 2, n.y % 4 - 2, n.z % 4 - 2};

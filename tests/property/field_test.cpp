@@ -9,6 +9,7 @@
 
 #include "burnish/core/vec.h"
 #include "support/random_octree.h"
+#include "support/repetitions.h"
 
 namespace burnish {
 namespace {
@@ -189,7 +190,7 @@ double polynomial(int degree, unsigned seed, const LatticeNode& n) {
 }
 
 TEST(GatherSmooth, ReproducesPolynomialsAcrossLevelJumps) {
-  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+  for (unsigned seed = 1; seed <= repetitions(4, 1); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     std::mt19937 random(seed);
     const Octree tree = random_octree(random, 3, 12);

@@ -7,6 +7,7 @@
 #include "burnish/surface/outliers.h"
 #include "burnish/surface/weld.h"
 #include "support/noise.h"
+#include "support/repetitions.h"
 #include "support/shapes.h"
 
 namespace burnish {
@@ -29,7 +30,7 @@ TriangleSoup turned(const TriangleSoup& soup, Random& random) {
 }
 
 TEST(Noise, OfRandomBlobsIsWithinTenPercent) {
-  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(8, 2); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const TriangleSoup blob = random_blob(random);
@@ -47,7 +48,7 @@ TEST(Noise, OfRandomBlobsIsWithinTenPercent) {
 }
 
 TEST(Noise, IsEstimatedDespiteHolesFlipsAndSlivers) {
-  for (std::uint64_t seed = 1; seed <= 4; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(4, 1); ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     Random random(seed);
     const double edges = random.uniform(0.1, 0.5);

@@ -7,6 +7,7 @@
 
 #include "support/folder.h"
 #include "support/pipeline_promises.h"
+#include "support/repetitions.h"
 
 namespace burnish {
 namespace {
@@ -15,7 +16,7 @@ using namespace test;
 
 TEST(RandomSoup, IsMadeAValidSolidOrRefused) {
   const Folder folder;
-  for (std::uint64_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(60, 15); ++seed) {
     std::mt19937_64 engine(seed);
     std::vector<std::uint8_t> bytes(60 + engine() % 120);
     for (std::uint8_t& byte : bytes) byte = static_cast<std::uint8_t>(engine() >> 32);

@@ -7,6 +7,7 @@
 
 #include "burnish/surface/inspect.h"
 #include "burnish/surface/triangle_index.h"
+#include "support/repetitions.h"
 #include "support/shapes.h"
 
 namespace burnish {
@@ -27,7 +28,7 @@ TriangleSoup wavy(std::mt19937_64& random) {
 }
 
 TEST(SimplifyProperty, TheDeviationIsKeptAndTheResultIsValid) {
-  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(12, 4); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const TriangleSoup given = wavy(random);
@@ -52,7 +53,7 @@ TEST(SimplifyProperty, TheDeviationIsKeptAndTheResultIsValid) {
 }
 
 TEST(SimplifyProperty, AnyCountGivesAValidSolid) {
-  for (std::uint64_t seed = 101; seed <= 110; ++seed) {
+  for (std::uint64_t seed = 101; seed <= 100 + repetitions(10, 3); ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
     std::mt19937_64 random(seed);
     const TriangleSoup given = wavy(random);

@@ -135,6 +135,10 @@ TEST(FieldSamples, GridsCoverTheBoxAndBeginInItsCorner) {
   EXPECT_EQ(sample_grid(content, model, 0.05).nodes, (std::array<std::uint32_t, 3>{6, 4, 3}));
   content.spacing = Length{1e-9, LengthUnit::model};
   EXPECT_THROW(sample_grid(content, model, 0.05), Error);
+  // Few enough in all, and too many along one axis for their number.
+  content.box = Box3{{0, 0, 0}, {8e9, 0, 0}};
+  content.spacing = Length{1, LengthUnit::model};
+  EXPECT_THROW(sample_grid(content, model, 0.05), Error);
   content = {};
   content.box = Box3{{1, 1, 1}, {1, 1, 1}};
   content.samples = 5;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "burnish/io/vdb.h"
 #include "burnish/io/voxel_volume.h"
 #include "support/folder.h"
 #include "support/shapes.h"
@@ -165,6 +166,33 @@ TEST(Field, TooManyCellsForTheBudgetAreRefused) {
     EXPECT_NE(error.hint().find("--blocks"), std::string::npos);
   }
   EXPECT_EQ(folder.file_count(), 1);
+}
+
+// A layer is held at once, and so are all blocks of a .vdb.
+TEST(Field, TooManySamplesForTheBudgetAreRefused) {
+  const Folder folder;
+  FieldJob job = job_for(folder, cube(), 16);
+  job.options.memory_bytes = 200'000'000;
+  const auto expect_refused = [&](const char* hint) {
+    try {
+      field(job);
+      ADD_FAILURE() << job.output;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::memory_limit) << error.what();
+      EXPECT_NE(error.hint().find(hint), std::string::npos) << error.hint();
+    }
+    EXPECT_EQ(folder.file_count(), 1);
+  };
+  job.output = folder.path("out.nrrd");
+  job.content.box = Box3{{0, 0, 0}, {1, 1, 0}};
+  job.content.samples = 10'000;
+  expect_refused("--spacing");
+  if (!has_openvdb()) return;
+  job = job_for(folder, cube(), 100);
+  job.options.memory_bytes = 100'000'000;
+  job.output = folder.path("out.vdb");
+  job.content.narrow_band = Length{100, LengthUnit::cells};
+  expect_refused("--narrow-band");
 }
 
 // Distances to the input's facets, on a grid of the user's.

@@ -164,6 +164,20 @@ TEST(FromVoxels, OtsuPartsTwoClasses) {
   EXPECT_EQ(otsu_threshold(flat.samples(), value_range(flat.samples())), 5);
 }
 
+// The lattice of the least spacing has a million times as many nodes as the volume.
+TEST(FromVoxels, UnequalSpacingsStayWithinTheBudget) {
+  for (const auto& [spacing, budget] : {std::pair(Vec3{1e-4, 1, 1}, std::uint64_t{1} << 30), std::pair(Vec3{0.05, 1, 1}, std::uint64_t{3} << 20)}) {
+    const Volume v = volume_of({20, 20, 20}, {0, 0, 0}, spacing, [&](const Vec3& p) { return 7 - norm(Vec3{p.x / spacing.x, p.y, p.z} - Vec3{9.5, 9.5, 9.5}); });
+    try {
+      level_set_from_voxels(v.samples(), 0, true, {.memory_bytes = budget});
+      ADD_FAILURE() << spacing.x;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.code(), ErrorCode::memory_limit);
+      EXPECT_TRUE(contains(error.what(), {"spacings", "budget"}));
+    }
+  }
+}
+
 TEST(FromVoxels, ErrorsNameThePlace) {
   Volume v = volume_of({4, 3, 2}, {0, 0, 0}, {1, 1, 1}, [](const Vec3& p) { return p.x; });
   EXPECT_EQ(value_range(v.samples()).most, 3);

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <numbers>
@@ -119,6 +120,38 @@ TEST(InitialCondition, TakesConditionsOfTheOriginal) {
   EXPECT_EQ(initial_condition(f.job).fields[0].from, f.folder.path("case/0/alpha.air.orig"));
   EXPECT_EQ(f.folder.bytes("case/0/alpha.air.orig"), kField);
   EXPECT_NE(f.folder.bytes("case/0/alpha.air").find("/* kept */"), std::string::npos);
+}
+
+// What the link names is the field; the link stays.
+TEST(InitialCondition, AFieldThatIsALinkIsItsFile) {
+  Fixture f;
+  f.store("case/fields/alpha.water", kField);
+  std::filesystem::create_directories(f.folder.path("case/0"));
+  std::filesystem::create_symlink("../fields/alpha.water", f.folder.path("case/0/alpha.water"));
+  EXPECT_THROW(initial_condition(f.job), Error);
+  EXPECT_EQ(f.folder.bytes("case/fields/alpha.water"), kField);
+  f.job.overwrite = true;
+  f.job.phi = "psi";
+  initial_condition(f.job);
+  EXPECT_TRUE(std::filesystem::is_symlink(f.folder.path("case/0/alpha.water")));
+  EXPECT_EQ(f.values("case/fields/alpha.water").size(), kCells * kCells * kCells);
+  EXPECT_NE(f.folder.bytes("case/fields/alpha.water").find("/* kept */"), std::string::npos);
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(f.folder.path("case/0")), {}), 2);
+}
+
+// Records the stages that are told.
+struct Told : Progress {
+  std::vector<std::string> stages;
+  void begin_stage(std::string_view name) override { stages.emplace_back(name); }
+};
+
+TEST(InitialCondition, NoStageIsToldTwice) {
+  Fixture f;
+  f.job.dry_run = true;
+  f.job.method = FractionMethod::linear;
+  Told told;
+  initial_condition(f.job, told);
+  for (const char* stage : {"volume fractions", "cutting cells"}) EXPECT_EQ(std::count(told.stages.begin(), told.stages.end(), stage), 1) << stage;
 }
 
 TEST(InitialCondition, InvertedItIsWhatIsLeft) {

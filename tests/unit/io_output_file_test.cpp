@@ -96,6 +96,30 @@ TEST_F(OutputFileTest, AFileThatAppearedMeanwhileIsNotReplaced) {
   EXPECT_EQ(content("a.stl"), "someone else's");
 }
 
+// The last one is refused: a file appeared, or a folder.
+TEST_F(OutputFileTest, SeveralAreCommittedAllOrNone) {
+  for (const bool overwrite : {false, true}) {
+    if (overwrite) create("a", "old");
+    OutputFile a(path("a"), overwrite), b(path("b"), overwrite), c(path("c"), overwrite);
+    const std::vector<OutputFile*> files{&a, &b, &c};
+    for (OutputFile* file : files) put(file->fd(), "new");
+    overwrite ? static_cast<void>(fs::create_directory(path("c"))) : create("c", "someone else's");
+    EXPECT_THROW(OutputFile::commit(files), Error);
+    EXPECT_EQ(fs::exists(path("a")), overwrite);
+    EXPECT_EQ(content("a"), overwrite ? "old" : "");
+    EXPECT_FALSE(fs::exists(path("b")));
+    if (!overwrite) {
+      EXPECT_EQ(content("c"), "someone else's");
+    }
+    fs::remove(path("c"));
+    OutputFile::commit(files);
+    for (const char* name : {"a", "b", "c"}) EXPECT_EQ(content(name), "new");
+    EXPECT_EQ(file_count(), 3);
+    for (const char* name : {"a", "b", "c"}) fs::remove(path(name));
+  }
+  EXPECT_EQ(file_count(), 0);
+}
+
 TEST_F(OutputFileTest, PermissionsAreThoseOfANewFileOrOfTheReplacedOne) {
   const mode_t before = ::umask(027);
   {

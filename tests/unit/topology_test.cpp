@@ -13,6 +13,7 @@
 #include "burnish/surface/weld.h"
 #include "support/analytic_shapes.h"
 #include "support/level_sets.h"
+#include "support/repetitions.h"
 
 namespace burnish {
 namespace {
@@ -120,7 +121,7 @@ Octree random_octree(std::mt19937_64& random, int depth, std::size_t blocks) {
 
 // Noise: thousands of components, handles and cavities.
 TEST(LevelSetTopology, RandomSignsOnAnyOctree) {
-  for (std::uint64_t seed = 1; seed <= 30; ++seed) {
+  for (std::uint64_t seed = 1; seed <= repetitions(30, 12); ++seed) {
     std::mt19937_64 random(seed);
     const int depth = seed % 3 ? 2 : 3;
     Octree tree = seed % 4 == 0 ? Octree::build(1, all_blocks(1)) : random_octree(random, depth, 1 + random() % 8);

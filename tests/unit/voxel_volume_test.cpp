@@ -122,6 +122,14 @@ TEST(Nrrd, SkipsAndDetachedData) {
   expect_error(header, "a.nhdr", ErrorCode::unreadable_input, {"another file"});
   std::ofstream(folder.path("b.nhdr"), std::ios::binary) << with(header, "a.raw", "c.raw");
   EXPECT_THROW(read_voxels(folder.path("b.nhdr")), Error);
+  // What is wrong with the data is said of their file.
+  std::ofstream(folder.path("a.raw"), std::ios::binary) << data.substr(2);
+  try {
+    read_voxels(folder.path("a.nhdr"));
+    ADD_FAILURE();
+  } catch (const Error& error) {
+    EXPECT_TRUE(contains(error.what(), {folder.path("a.raw") + ": 4 x 3 x 2 values cannot be in the 46 bytes"}));
+  }
 }
 
 TEST(Nrrd, AxesThatRunBackwardsAreTurnedRound) {
@@ -154,6 +162,27 @@ TEST(Nrrd, AxisMinsFollowTheCentring) {
   expect_vector(read(with(header, "encoding", "centers: cell cell cell\nencoding") + data, "a.nrrd").origin, {1.25, 2.5, 4});
 }
 
+TEST(Nrrd, AxisMinsAndMaxsSayWhatTheSpacingIs) {
+  const std::string ends = with(kNrrd, "spacings: 0.5 1 2", "axis mins: 1 2 7\naxismaxs: 4 8 3"), data = bytes_of<std::int16_t>({4, 3, 2});
+  const VoxelVolume nodes = read(ends + data, "a.nrrd");
+  expect_vector(nodes.spacing, {1, 3, 4});
+  expect_vector(nodes.origin, {1, 2, 3});
+  EXPECT_EQ(nodes.values[0], static_cast<float>(value_at(0, 0, 1)));  // z runs backwards
+  const VoxelVolume cells = read(with(ends, "encoding", "centers: cell cell cell\nencoding") + data, "a.nrrd");
+  expect_vector(cells.spacing, {0.75, 2, 2});
+  expect_vector(cells.origin, {1.375, 3, 4});
+  // What the file says of spacings itself counts.
+  expect_vector(read(with(kNrrd, "encoding", "axis mins: 1 2 7\naxis maxs: 4 8 3\nencoding") + data, "a.nrrd").spacing, {0.5, 1, 2});
+  expect_error(with(ends, "4 8 3", "4 2 3") + data, "a.nrrd", ErrorCode::unreadable_input, {"ends of axes"});
+}
+
+TEST(VoxelFiles, NodesThatCoordinatesCannotTellApartAreAnError) {
+  const std::string data = bytes_of<std::int16_t>({4, 3, 2}), far = with(kNrrd, "encoding", "axis mins: 0 1e12 0\nencoding");
+  EXPECT_EQ(read(far + data, "a.nrrd").origin.y, 1e12);
+  expect_error(with(far, "1e12", "2e12") + data, "a.nrrd", ErrorCode::unreadable_input, {"told apart", "spacing of 1 at coordinates of 2e+12"});
+  expect_error(with(kNrrd, "0.5 1 2", "5e-324 1 2") + data, "a.nrrd", ErrorCode::unreadable_input, {"spacing between 1e-60"});
+}
+
 TEST(Nrrd, ErrorsNameThePlace) {
   const std::string data = bytes_of<std::int16_t>({4, 3, 2});
   const auto bad = [&](const std::string& from, const std::string& to, std::initializer_list<std::string> parts) {
@@ -164,6 +193,7 @@ TEST(Nrrd, ErrorsNameThePlace) {
   bad("dimension: 3", "dimension: 2", {"line 4", "found 2"});
   bad("4 3 2", "4 3", {"line 5", "3 sizes"});
   bad("4 3 2", "4 -3 2", {"line 5"});
+  bad("4 3 2", "4 3 2 1", {"line 5", "3 sizes"});
   bad("0.5 1 2", "0.5 0 2", {"spacings other than 0"});
   bad("raw", "bzip2", {"line 8", "bzip2"});
   bad("endian: little\n", "", {"endian"});
@@ -230,6 +260,8 @@ TEST(Vti, ErrorsNameThePlace) {
   bad("5 8 0 2 0 1", "5 8 0 2 0", {"line 4", "extent"});
   bad("5 8 0 2 0 1", "5 9 0 2 0 1", {"line 6", "one piece"});
   bad("0.5 1 2", "0.5 one 2", {"line 4", "Spacing"});
+  bad("0.5 1 2", "0.5 0 2", {"spacing other than 0"});
+  bad("Origin=\"1 2 3\"", "Origin=\"1 1e300 3\"", {"told apart"});
   bad("Spacing", "Direction='0 1 0 1 0 0 0 0 1' Spacing", {"parallel"});
   bad("'Int16'", "'String'", {"line 9", "'String'"});
   bad("format='ascii'", "format='appended' offset='12'", {"line 9", "offset"});

@@ -1,6 +1,7 @@
 // OutputFile: nothing half-written is ever seen under the name the user gave.
 #pragma once
 
+#include <span>
 #include <string>
 
 namespace burnish {
@@ -30,14 +31,25 @@ class OutputFile {
   // those of a new file.
   // Refuses, as the constructor does, if the destination appeared meanwhile and `overwrite` is false.
   void commit();
+  // The same of several, all or none: all are flushed before the first is renamed, and what has been renamed gets its old file back when a later one is refused.
+  // Between two renames a crash, or another program, can find some new and some old; a file system without RENAME_EXCHANGE gives no old file back.
+  static void commit(std::span<OutputFile* const> files);
 
   // Unlinks the temporaries of all living OutputFiles (the first 64 of them). Async-signal-safe.
   static void remove_all_temporaries() noexcept;
 
  private:
+  enum class Place { temporary, fresh, exchanged, replaced };
+
+  void flush_to_disk();
+  void put_in_place(bool may_be_taken_back);
+  void take_back() noexcept;
+  void finish();
+
   std::string destination_;
   std::string temporary_;
   bool overwrite_;
+  Place place_ = Place::temporary;  // of the bytes; once they are exchanged, the temporary is the old file
   int fd_ = -1;
   int slot_ = -1;
 };

@@ -41,7 +41,10 @@ struct WrittenVdb {
   std::uint64_t blocks = 0;  // that are left in the file
 };
 
-// Writes to the open file descriptor `fd` and leaves it open. The file is put together in memory: about 1 kB a block. Same bytes on every run and
+// Bytes of memory that writing takes for each block: voxels, and the file, which is put together in memory (about 1 kB a block, held twice).
+inline constexpr std::uint64_t kVdbBytesPerBlock = 4500;
+
+// Writes to the open file descriptor `fd` and leaves it open. Same bytes on every run and
 // for any number of threads; where OpenVDB draws a random identifier for the file, one computed from the bytes stands.
 // Throws what require_openvdb throws; Error{unwritable_output} naming `label`; Error{interrupted}.
 WrittenVdb write_vdb(int fd, const std::string& label, const VdbSource& source, Progress& progress = no_progress());

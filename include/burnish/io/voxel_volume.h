@@ -33,8 +33,9 @@ struct VoxelVolume {
 };
 
 // Reads a .vti (XML; one piece; ascii, base64 inline, appended raw or base64; zlib or no compression; UInt32 or UInt64 headers; both byte orders; PointData;
-// CellData become nodes at cell centres) or a .nrrd, .nhdr (attached or detached data; raw, gzip, ascii encodings; both byte orders; `spacings`, or `space
-// directions` along the axes; three axes, or four with one of length 1). Axes that run backwards are turned round. `array`: which of several; empty: the active
+// CellData become nodes at cell centres) or a .nrrd, .nhdr (attached or detached data; raw, gzip, ascii encodings; both byte orders; `spacings`, `space
+// directions` along the axes, or `axis mins` and `axis maxs`, which are samples unless `centers` says cell; three axes, or four with one of length 1). Axes that
+// run backwards are turned round. Spacings are within 1e-60 to 1e60, and at least 2^-40 of the largest coordinate: all else is an error. `array`: which of several; empty: the active
 // scalars, else the first of one component. Values may be NaN or infinite: whoever uses them has to look.
 // Sizes in the file are believed only as far as its bytes can hold them. Throws Error{unreadable_input} with the place, what was expected and what was found;
 // Error{memory_limit} if the values do not fit into `memory` bytes; Error{interrupted}.
@@ -55,6 +56,9 @@ struct VoxelSource {
   std::string name = "phi";
   std::function<void(std::uint32_t first_layer, std::uint32_t last_layer, std::span<float> values)> fill;
 };
+
+// About the memory that writing a volume of so many nodes takes: slabs of 16 MB, or of one layer if that is more, and compressed pieces.
+std::uint64_t bytes_to_write_voxels(const std::array<std::uint32_t, 3>& nodes);
 
 // Writes float32: .vti appended raw with zlib, .nrrd attached with gzip. `fd` must be able to seek and stays open. Same bytes for any number of threads.
 // Throws Error{unwritable_output} naming `label`; Error{interrupted}.

@@ -54,10 +54,12 @@ struct LevelSetFromVoxels {
 struct VoxelLevelSetOptions {
   double band = 3;  // cells of distance on both sides of the surface
   double room = 0;  // cells beyond the band that store values too, for a surface that will move
+  std::uint64_t memory_bytes = UINT64_MAX;  // budget of the level set, beside the values
 };
 
 // The signed distance to the surface on which the values are `iso`, positive where they are above it, or below it if `inside_above` is false.
-// Throws Error{guarantee_unmet} if no surface lies between the voxels, Error{memory_limit} for a lattice beyond 2^20 blocks a side, Error{interrupted}.
+// Throws Error{guarantee_unmet} if no surface lies between the voxels, Error{memory_limit} for a lattice beyond 2^20 blocks a side or a level set beyond the budget,
+// Error{interrupted}.
 // Values have to be finite (value_range checks that). Same bits for any number of threads.
 LevelSetFromVoxels level_set_from_voxels(const VoxelSamples& samples, double iso, bool inside_above, const VoxelLevelSetOptions& options = {},
                                          Progress& progress = no_progress());
