@@ -25,7 +25,7 @@ constexpr MeshQualityLimits kLimits{.non_orthogonality = 65, .internal_skewness 
 class Fitting {
  public:
   Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, Progress& progress)
-      : volume_(mesh), mesh_(mesh.mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
+      : volume_(mesh), mesh_(mesh.mesh), around_(mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
 
   BoundaryFit run() {
     start_ = mesh_.points;
@@ -36,7 +36,7 @@ class Fitting {
       cover_crossed_edges();
     }
     progress_.check();
-    relax(volume_, free_points(), kSweeps);
+    relax(volume_, around_, free_points(), kSweeps);
     restore_quality();
     return result_;
   }
@@ -166,14 +166,30 @@ class Fitting {
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
-      for (const std::uint32_t p : culprits(faces, bad, round)) {
+      const std::vector<std::uint32_t> points = culprits(faces, bad, round);
+      for (const std::uint32_t p : points) {
         ++steps[p];
         const double part = steps[p] >= kSteps || round + 2 >= kRounds ? 0 : 1 - static_cast<double>(steps[p]) / kSteps;
         mesh_.points[p] = start_[p] + (wanted[p] - start_[p]) * part;
       }
-      bad = bad_cells(mesh_, kLimits, progress_);
+      bad = judged_again(faces, bad, points);
     }
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
+  }
+
+  // The bad cells once these points have moved.
+  std::vector<BadCell> judged_again(const CellFaces& faces, const std::vector<BadCell>& bad, const std::vector<std::uint32_t>& moved) const {
+    std::vector<std::uint32_t> cells;
+    for (const std::uint32_t p : moved)
+      for (const std::uint32_t c : around_[p])
+        for (const std::uint32_t f : faces[c]) {
+          cells.push_back(mesh_.owner[f]);
+          if (f < mesh_.internal_faces()) cells.push_back(mesh_.neighbour[f]);
+        }
+    for (const BadCell& b : bad) cells.push_back(b.cell);
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return bad_cells_among(mesh_, faces, cells, kLimits);
   }
 
   // Of each bad cell the point that has moved farthest; in later rounds all of them, then those of the neighbours too.
@@ -199,6 +215,7 @@ class Fitting {
 
   VolumeMesh& volume_;
   PolyhedralMesh& mesh_;
+  const PointCells around_;
   const std::vector<std::uint8_t>& on_wall_;
   const ReferenceSurface& reference_;
   const double sign_;
