@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "burnish/core/parallel.h"
+#include "burnish/octree/octree.h"
 #include "burnish/volume/mesh_quality.h"
 #include "relax.h"
 
@@ -17,6 +18,7 @@ namespace {
 constexpr double kReach = 2;          // lattice units: how far a point may go to the surface
 constexpr double kCornerReach = 1.6;  // to a corner of the creases
 constexpr double kConnected = 3;      // the ball in which a path around a crease counts
+constexpr int kMendings = 6;
 constexpr int kSweeps = 3, kRings = 2;  // of relaxing
 constexpr int kSteps = 4;    // in which a point goes back
 constexpr int kRounds = 24;  // of moving back, in the last one all the way
@@ -25,7 +27,7 @@ constexpr MeshQualityLimits kLimits{.non_orthogonality = 65, .internal_skewness 
 class Fitting {
  public:
   Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, Progress& progress)
-      : volume_(mesh), mesh_(mesh.mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
+      : volume_(mesh), mesh_(mesh.mesh), around_(mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
 
   BoundaryFit run() {
     start_ = mesh_.points;
@@ -36,7 +38,7 @@ class Fitting {
       cover_crossed_edges();
     }
     progress_.check();
-    relax(volume_, free_points(), kSweeps);
+    relax(volume_, around_, free_points(), kSweeps);
     restore_quality();
     return result_;
   }
@@ -44,9 +46,13 @@ class Fitting {
  private:
   void collect_wall() {
     normal_.assign(mesh_.points.size(), {});
+    at_end_.assign(mesh_.points.size(), 0);
     for (std::size_t i = 0; i < on_wall_.size(); ++i) {
-      if (!on_wall_[i]) continue;
       const auto face = mesh_.face(mesh_.internal_faces() + i);
+      if (!on_wall_[i]) {
+        for (const std::uint32_t p : face) at_end_[p] = 1;
+        continue;
+      }
       Vec3 n;
       for (std::size_t k = 2; k < face.size(); ++k) n += cross(start_[face[k - 1]] - start_[face[0]], start_[face[k]] - start_[face[0]]);
       for (std::size_t k = 0; k < face.size(); ++k) {
@@ -166,14 +172,74 @@ class Fitting {
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
-      for (const std::uint32_t p : culprits(faces, bad, round)) {
+      const std::vector<std::uint32_t> points = culprits(faces, bad, round);
+      for (const std::uint32_t p : points) {
         ++steps[p];
         const double part = steps[p] >= kSteps || round + 2 >= kRounds ? 0 : 1 - static_cast<double>(steps[p]) / kSteps;
         mesh_.points[p] = start_[p] + (wanted[p] - start_[p]) * part;
       }
-      bad = bad_cells(mesh_, kLimits, progress_);
+      bad = judged_again(faces, bad, points);
     }
+    mend(faces, std::move(bad));
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
+  }
+
+  // What is bad without any point having moved: one of its points, tried one after the other, goes where fewer cells around are bad; those at the domain's sides stay.
+  void mend(const CellFaces& faces, std::vector<BadCell> bad) {
+    for (int round = 0; round < kMendings && !bad.empty(); ++round) {
+      for (const BadCell& b : bad)
+        for (const std::uint32_t p : volume_.cell(b.cell))
+          if (!is_at_end(p) && mend_by(faces, p)) break;
+      std::vector<std::uint32_t> again;
+      for (const BadCell& b : bad)
+        for (const std::uint32_t p : volume_.cell(b.cell)) again.push_back(p);
+      bad = judged_again(faces, bad, again);
+    }
+  }
+
+  // True if no cell that the point concerns is bad any more.
+  bool mend_by(const CellFaces& faces, std::uint32_t p) {
+    const std::vector<std::uint32_t> concerned = cells_concerned(faces, {p});
+    const Vec3 start = mesh_.points[p];
+    Vec3 best = start;
+    std::size_t least = bad_cells_among(mesh_, faces, concerned, kLimits).size();
+    for (const double step : {0.1, 0.2, 0.4})
+      for (int d = 0; d < kDirections && least > 0; ++d) {
+        if (d == kSelf) continue;
+        const std::array<int, 3> o = offset_of(d);
+        const Vec3 direction{static_cast<double>(o[0]), static_cast<double>(o[1]), static_cast<double>(o[2])};
+        mesh_.points[p] = start + direction * (step / norm(direction));
+        const std::size_t count = bad_cells_among(mesh_, faces, concerned, kLimits).size();
+        if (count < least) least = count, best = mesh_.points[p];
+      }
+    mesh_.points[p] = best;
+    result_.mended += !(best == start);
+    return least == 0;
+  }
+
+  bool is_at_end(std::uint32_t p) const { return at_end_[p] != 0; }
+
+  // The bad cells once these points have moved.
+  std::vector<BadCell> judged_again(const CellFaces& faces, const std::vector<BadCell>& bad, const std::vector<std::uint32_t>& moved) const {
+    std::vector<std::uint32_t> cells = cells_concerned(faces, moved);
+    for (const BadCell& b : bad) cells.push_back(b.cell);
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return bad_cells_among(mesh_, faces, cells, kLimits);
+  }
+
+  // The cells at these points, and across their faces; ascending.
+  std::vector<std::uint32_t> cells_concerned(const CellFaces& faces, const std::vector<std::uint32_t>& points) const {
+    std::vector<std::uint32_t> cells;
+    for (const std::uint32_t p : points)
+      for (const std::uint32_t c : around_[p])
+        for (const std::uint32_t f : faces[c]) {
+          cells.push_back(mesh_.owner[f]);
+          if (f < mesh_.internal_faces()) cells.push_back(mesh_.neighbour[f]);
+        }
+    std::sort(cells.begin(), cells.end());
+    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
+    return cells;
   }
 
   // Of each bad cell the point that has moved farthest; in later rounds all of them, then those of the neighbours too.
@@ -199,6 +265,7 @@ class Fitting {
 
   VolumeMesh& volume_;
   PolyhedralMesh& mesh_;
+  const PointCells around_;
   const std::vector<std::uint8_t>& on_wall_;
   const ReferenceSurface& reference_;
   const double sign_;
@@ -206,6 +273,7 @@ class Fitting {
   std::vector<Vec3> start_, normal_;
   std::vector<std::uint32_t> wall_;  // points on the surface
   std::vector<std::pair<std::uint32_t, std::uint32_t>> edges_;  // of the boundary
+  std::vector<std::uint8_t> at_end_;  // on a side of the domain
   std::vector<std::uint32_t> facet_;
   std::vector<std::uint8_t> fixed_;  // on a crease or a corner
   BoundaryFit result_;

@@ -14,6 +14,7 @@ struct BoundaryFit {
   std::uint64_t corners = 0;       // points on corners of the creases
   std::uint64_t crease_points = 0; // points on creases
   std::uint64_t moved_back = 0;    // points that the cells' quality kept from their place
+  std::uint64_t mended = 0;        // points that had to move for a cell that was bad from the start, by up to a fifth of a cell at a time
 };
 
 // `mesh` in lattice units (its cells at the surface have side 2); `on_wall`: per boundary face, whether it is on the surface; `sign`: 1 where the cells are inside it, -1 where outside.

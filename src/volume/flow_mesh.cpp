@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <utility>
 
@@ -22,6 +23,8 @@ namespace {
 
 constexpr double kBand = 5;          // lattice units: the half diagonal of a cell, and what may move
 constexpr double kDomainMargin = 4;  // between the band and the walls
+constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
+constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
 constexpr std::array<const char*, 6> kSides{"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
 
@@ -50,13 +53,18 @@ class FlowMesher {
  private:
   bool outside() const { return options_.side == MeshSide::outside; }
 
-  // Mesh cells are two lattice units wide. The domain's sides are moved to where they belong at the end.
+  // Mesh cells are two lattice units wide. The domain's sides are rounded to the coarsest cells, which therefore are small beside the room between surface and sides; to_model() puts
+  // them where they belong.
   void choose_frame() {
-    const double h = options_.cell / 2;
-    Box3 box = bounding_box(surface_);
-    if (outside()) box.extend(options_.domain);
+    const Box3 body = bounding_box(surface_);
+    Box3 box = body;
+    if (outside()) {
+      limit_coarsest(body);
+      box.extend(options_.domain);
+    }
     const double coarse = static_cast<double>(2 << options_.coarsest_level);
-    result_.frame = make_frame(box, h, outside() ? coarse + kBand + kDomainMargin : kBand + kDomainMargin);
+    result_.frame = make_frame(box, options_.cell / 2, outside() ? coarse + kBand + kDomainMargin : kBand + kDomainMargin);
+    body_ = {result_.frame.to_lattice(body.lower) - Vec3{4, 4, 4}, result_.frame.to_lattice(body.upper) + Vec3{4, 4, 4}};
     const std::int64_t step = std::int64_t{1} << options_.coarsest_level;
     const Box3& wanted = outside() ? options_.domain : box;
     const Vec3 lower = result_.frame.to_lattice(wanted.lower) / 2, upper = result_.frame.to_lattice(wanted.upper) / 2;
@@ -65,12 +73,21 @@ class FlowMesher {
       auto& to = region_.upper[static_cast<std::size_t>(a)];
       if (outside()) {
         from = step * static_cast<std::int64_t>(std::lround(lower[a] / static_cast<double>(step)));
-        to = std::max(from + step, step * static_cast<std::int64_t>(std::lround(upper[a] / static_cast<double>(step))));
+        to = step * static_cast<std::int64_t>(std::lround(upper[a] / static_cast<double>(step)));
       } else {
         from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(lower[a])) - 2);
         to = static_cast<std::int64_t>(std::ceil(upper[a])) + 2;
       }
     }
+  }
+
+  void limit_coarsest(const Box3& body) {
+    double room = std::numeric_limits<double>::infinity();
+    for (int a = 0; a < 3; ++a) room = std::min({room, body.lower[a] - options_.domain.lower[a], options_.domain.upper[a] - body.upper[a]});
+    room /= options_.cell;
+    if (!(room >= kLeastRoom))
+      throw Error(ErrorCode::usage, fmt::format("a side of the domain is {:.3g} cells from the surface; it has to be {} at least", room, kLeastRoom), "choose a larger --domain, or a smaller --cell");
+    options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom))), 0, options_.coarsest_level);
   }
 
   void count_levels(const CellLattice& lattice) {
@@ -154,11 +171,20 @@ class FlowMesher {
     throw Error(ErrorCode::bug, "a face of the volume mesh is neither on the surface nor on a side of the domain");
   }
 
+  // [T-HEX-8] Beyond the surface's box the lattice is stretched so that the domain's sides come to lie exactly where they were asked for.
   void to_model() {
     auto& points = result_.mesh.mesh.points;
+    const Vec3 lower = result_.frame.to_lattice(options_.domain.lower), upper = result_.frame.to_lattice(options_.domain.upper);
     parallel_for(points.size(), [&](std::size_t i) {
       const Vec3 q = points[i];
-      points[i] = result_.frame.to_model(q);
+      Vec3 r = q;
+      if (outside())
+        for (int a = 0; a < 3; ++a) {
+          const double low = 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)]), high = 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)]);
+          if (q[a] < body_.lower[a]) r[a] = body_.lower[a] - (body_.lower[a] - q[a]) * (body_.lower[a] - lower[a]) / (body_.lower[a] - low);
+          if (q[a] > body_.upper[a]) r[a] = body_.upper[a] + (q[a] - body_.upper[a]) * (upper[a] - body_.upper[a]) / (high - body_.upper[a]);
+        }
+      points[i] = result_.frame.to_model(r);
       if (!outside()) return;
       for (int a = 0; a < 3; ++a) {
         if (q[a] == 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)])) points[i][a] = options_.domain.lower[a];
@@ -170,7 +196,8 @@ class FlowMesher {
   const TriangleSoup& surface_;
   const std::vector<std::uint32_t>& patch_of_facet_;
   const std::vector<std::string>& patch_names_;
-  const FlowMeshOptions& options_;
+  FlowMeshOptions options_;
+  Box3 body_;  // the surface's box and two cells around it, in lattice units
   Progress& progress_;
   LatticeBox region_;
   StuffedCells stuffed_;

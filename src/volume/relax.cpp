@@ -36,20 +36,13 @@ double mean_ratio(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
 
 class Relaxation {
  public:
-  explicit Relaxation(VolumeMesh& mesh) : mesh_(mesh), first_(mesh.mesh.points.size() + 1, 0) {
-    for (const std::uint32_t p : mesh.corners) ++first_[p + 1];
-    for (std::size_t p = 1; p < first_.size(); ++p) first_[p] += first_[p - 1];
-    cells_.resize(mesh.corners.size());
-    std::vector<std::uint64_t> next(first_.begin(), first_.end() - 1);
-    for (std::uint32_t c = 0; c < mesh.cells(); ++c)
-      for (const std::uint32_t p : mesh.cell(c)) cells_[next[p]++] = c;
-  }
+  explicit Relaxation(VolumeMesh& mesh, const PointCells& around) : mesh_(mesh), around_(around) {}
 
   void move(std::uint32_t p) {
     Vec3 mean;
     double count = 0;
-    for (std::uint64_t i = first_[p]; i < first_[p + 1]; ++i)
-      for (const std::uint32_t q : mesh_.cell(cells_[i]))
+    for (const std::uint32_t c : around_[p])
+      for (const std::uint32_t q : mesh_.cell(c))
         if (q != p) mean += mesh_.mesh.points[q], ++count;
     if (count == 0) return;
     Vec3& at = mesh_.mesh.points[p];
@@ -65,23 +58,22 @@ class Relaxation {
  private:
   double worst(std::uint32_t p) const {
     double least = std::numeric_limits<double>::infinity();
-    for (std::uint64_t i = first_[p]; i < first_[p + 1]; ++i) {
-      const auto cell = mesh_.cell(cells_[i]);
+    for (const std::uint32_t c : around_[p]) {
+      const auto cell = mesh_.cell(c);
       const auto at = [&](int k) { return mesh_.mesh.points[cell[static_cast<std::size_t>(k)]]; };
-      for (const std::array<int, 4>& t : corner_tetrahedra(mesh_.shape[cells_[i]])) least = std::min(least, mean_ratio(at(t[0]), at(t[1]), at(t[2]), at(t[3])));
+      for (const std::array<int, 4>& t : corner_tetrahedra(mesh_.shape[c])) least = std::min(least, mean_ratio(at(t[0]), at(t[1]), at(t[2]), at(t[3])));
     }
     return least;
   }
 
   VolumeMesh& mesh_;
-  std::vector<std::uint64_t> first_;
-  std::vector<std::uint32_t> cells_;  // at each point
+  const PointCells& around_;
 };
 
 }  // namespace
 
-void relax(VolumeMesh& mesh, const std::vector<std::uint8_t>& free, int sweeps) {
-  Relaxation relaxation(mesh);
+void relax(VolumeMesh& mesh, const PointCells& around, const std::vector<std::uint8_t>& free, int sweeps) {
+  Relaxation relaxation(mesh, around);
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::uint32_t p = 0; p < free.size(); ++p)
       if (free[p]) relaxation.move(p);

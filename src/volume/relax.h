@@ -5,11 +5,12 @@
 #include <vector>
 
 #include "burnish/volume/volume_mesh.h"
+#include "point_cells.h"
 
 namespace burnish {
 
 // Moves the points that are `free`, one after the other, towards the mean of what their cells' other corners would have them, if the worst shape of these cells gets better by it; `sweeps` times.
 // [T-HEX-7] The shape of a cell is the least mean ratio, 12 (3 V)^(2/3) / sum of l^2, of the tetrahedra at its corners. Points of polyhedra stay. The same bits always: one thread.
-void relax(VolumeMesh& mesh, const std::vector<std::uint8_t>& free, int sweeps);
+void relax(VolumeMesh& mesh, const PointCells& around, const std::vector<std::uint8_t>& free, int sweeps);
 
 }  // namespace burnish
