@@ -6,7 +6,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <memory>
+#include <optional>
 #include <utility>
 
 #include "assemble.h"
@@ -25,8 +27,24 @@ constexpr double kBand = 5;          // lattice units: the half diagonal of a ce
 constexpr double kDomainMargin = 4;  // between the band and the walls
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
+constexpr double kCreaseSnap = 0.7;  // lattice units: nodes nearer than this go to the crease
+constexpr double kCornerSnap = 0.85;  // and the nearest one to a corner, if nearer than this
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
 constexpr std::array<const char*, 6> kSides{"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
+
+using LatticePlace = std::array<std::int64_t, 3>;
+Vec3 place_of(const LatticePlace& n) { return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])}; }
+
+// The corner (all coordinates even) or the centre (all odd) of a finest cell that is nearest to a point.
+LatticePlace nearest_node(const Vec3& p) {
+  const auto nearest = [&](std::int64_t odd) {
+    LatticePlace n{};
+    for (int a = 0; a < 3; ++a) n[static_cast<std::size_t>(a)] = 2 * std::llround((p[a] - static_cast<double>(odd)) / 2) + odd;
+    return n;
+  };
+  const LatticePlace corner = nearest(0), centre = nearest(1);
+  return squared_norm(place_of(corner) - p) <= squared_norm(place_of(centre) - p) ? corner : centre;
+}
 
 class FlowMesher {
  public:
@@ -40,7 +58,8 @@ class FlowMesher {
     progress_.begin_stage("cells");
     const CellLattice lattice(set, options_, region_, progress_);
     count_levels(lattice);
-    stuffed_ = stuff(lattice, set, options_.side == MeshSide::inside ? 1 : -1, options_.flavour, progress_);
+    refer();
+    stuffed_ = stuff(lattice, set, options_.side == MeshSide::inside ? 1 : -1, options_.flavour, crease_target(), progress_);
     result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
     leave_out_crumbs();
     progress_.begin_stage("boundary");
@@ -122,11 +141,31 @@ class FlowMesher {
     result_.notes.push_back(fmt::format("{} parts of less than {} cells, {:.3g} in all, hang together with the rest by no face and are left out", crumbs, kSmallestPart, lost * cube));
   }
 
-  void fit() {
-    const PolyhedralMesh& mesh = result_.mesh.mesh;
+  void refer() {
     TriangleSoup lattice_surface = to_lattice(surface_, result_.frame);
     Creases creases = find_creases(lattice_surface, {.angle = options_.crease_angle});
     reference_ = std::make_unique<ReferenceSurface>(std::move(lattice_surface), std::move(creases));
+  }
+
+  // [T-HEX-9] The node nearest to a corner of the creases goes there, if it is near enough; of the others those near a crease.
+  CreaseTarget crease_target() const {
+    if (!reference_->has_creases()) return {};
+    std::map<LatticePlace, Vec3> corners;
+    for (const std::uint32_t c : reference_->creases().corners) {
+      const Vec3& at = reference_->soup().points[c];
+      const LatticePlace node = nearest_node(at);
+      if (norm(place_of(node) - at) < kCornerSnap) corners.emplace(node, at);
+    }
+    return [this, corners = std::move(corners)](const Vec3& node) -> std::optional<Vec3> {
+      if (const auto found = corners.find(nearest_node(node)); found != corners.end() && place_of(found->first) == node) return found->second;
+      const ReferenceSurface::Foot foot = reference_->closest_on_creases(node, kCreaseSnap);
+      if (!foot.found()) return std::nullopt;
+      return foot.point;
+    };
+  }
+
+  void fit() {
+    const PolyhedralMesh& mesh = result_.mesh.mesh;
     const std::size_t internal = mesh.internal_faces();
     on_wall_.assign(mesh.faces() - internal, 0);
     for (std::size_t f = internal; f < mesh.faces(); ++f) {

@@ -17,6 +17,7 @@ constexpr double kLong = 0.24999, kShort = 0.41189;
 // Of pyramids on squares with moved corners: distance between the diagonals, least area of a corner and least height, in units of the side.
 constexpr double kFlat = 0.12, kSquare = 0.4, kHeight = 0.3;
 constexpr double kCube = 0.4;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
+constexpr double kCreaseReach = 1.2;  // lattice units: no node farther from the surface is near a crease
 constexpr std::size_t kCellsAtATime = 4096;
 
 using Tetrahedron = std::array<std::uint32_t, 4>;
@@ -27,12 +28,13 @@ enum class CellKind : std::uint8_t { none, whole, coned };
 
 class Stuffing {
  public:
-  Stuffing(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, Progress& progress)
-      : lattice_(lattice), set_(set), side_(sign), polyhedral_(flavour == MeshFlavour::polyhedral), progress_(progress) {}
+  Stuffing(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, const CreaseTarget& crease, Progress& progress)
+      : lattice_(lattice), set_(set), side_(sign), polyhedral_(flavour == MeshFlavour::polyhedral), crease_(crease), progress_(progress) {}
 
   StuffedCells run() {
     place_nodes();
     classify();
+    if (crease_) move_to_creases();
     collect_cuts();
     warp();
     classify();
@@ -121,6 +123,17 @@ class Stuffing {
       if (!lattice_.exists(cell)) kind_[cell] = CellKind::none;
       else if (is_whole(cell)) kind_[cell] = CellKind::whole;
       else kind_[cell] = has_positive(cell) ? CellKind::coned : CellKind::none;
+    });
+  }
+
+  // [T-HEX-9]
+  void move_to_creases() {
+    parallel_for(sign_.size(), [&](std::size_t i) {
+      if (std::abs(phi_[i]) > kCreaseReach) return;
+      const std::optional<Vec3> target = crease_(result_.points[i]);
+      if (!target) return;
+      result_.points[i] = *target;
+      sign_[i] = 0;
     });
   }
 
@@ -372,6 +385,7 @@ class Stuffing {
   const LevelSet& set_;
   const int side_;
   const bool polyhedral_;
+  const CreaseTarget& crease_;
   Progress& progress_;
   std::vector<double> phi_;
   std::vector<std::int8_t> sign_;
@@ -382,8 +396,8 @@ class Stuffing {
 
 }  // namespace
 
-StuffedCells stuff(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, Progress& progress) {
-  return Stuffing(lattice, set, sign, flavour, progress).run();
+StuffedCells stuff(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, const CreaseTarget& crease, Progress& progress) {
+  return Stuffing(lattice, set, sign, flavour, crease, progress).run();
 }
 
 }  // namespace burnish

@@ -5,6 +5,8 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -34,7 +36,10 @@ struct StuffedCells {
   std::vector<std::uint8_t> on_surface; // per point
 };
 
+// Where a node has to go that is near to a crease of the surface; nothing where none is near. Called from many threads.
+using CreaseTarget = std::function<std::optional<Vec3>(const Vec3& node)>;
+
 // The cells of the lattice on the side where phi > 0 (`sign` 1) or < 0 (-1). Same result for any number of threads.
-StuffedCells stuff(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, Progress& progress);
+StuffedCells stuff(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, const CreaseTarget& crease, Progress& progress);
 
 }  // namespace burnish
