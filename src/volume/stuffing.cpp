@@ -15,8 +15,8 @@ namespace {
 // How near to a node, as a part of an edge, a cut moves the node: Labelle & Shewchuk's, for angles of 10.7 to 164.8 degrees.
 constexpr double kLong = 0.24999, kShort = 0.41189;
 // Of pyramids on squares with moved corners: distance between the diagonals, least area of a corner and least height, in units of the side.
-constexpr double kFlat = 0.12, kSquare = 0.4, kHeight = 0.3;
-constexpr double kCube = 0.4;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
+constexpr double kFlat = 0.2, kSquare = 0.3, kHeight = 0.3;
+constexpr double kCube = 0.3;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
 constexpr double kCreaseReach = 1.2;  // lattice units: no node farther from the surface is near a crease
 constexpr std::size_t kCellsAtATime = 4096;
 
