@@ -32,9 +32,9 @@ struct MeshRefinement {
 struct FlowMeshOptions {
   double cell = 0;           // side of the cells at the surface, in the surface's units
   MeshSide side = MeshSide::inside;
-  Box3 domain;               // outside: the flow domain, rounded outwards to whole coarse cells
+  Box3 domain;               // outside: the flow domain, at least 4 cells larger than the surface's box on each side; its sides are met exactly [T-HEX-8]
   MeshFlavour flavour = MeshFlavour::conforming;
-  int coarsest_level = 4;    // cells are at most 2^coarsest_level times as large as `cell`
+  int coarsest_level = 4;    // cells are at most 2^coarsest_level times as large as `cell`; outside also so that four fit between surface and domain
   int cells_between_levels = 2;  // at least 1: rows of cells of one size before the next larger one
   std::vector<MeshRefinement> refinements;
   double crease_angle = 40;  // degrees: edges of the surface that are to be edges of the mesh; 180: none
@@ -53,7 +53,8 @@ struct FlowMesh {
 
 // `surface`: closed, oriented outwards, without intersections, in model units. `patch_of_facet`: index into `patch_names` for each of its facets (empty: one
 // patch, patch_names[0] or "surface"). Patches of the mesh: those names (type wall), which no face need have; outside also xMin, xMax, yMin, yMax, zMin, zMax (type patch).
-// Same bits for any number of threads. Throws Error: memory_limit, guarantee_unmet where nothing of the side holds a cell, interrupted.
+// Same bits for any number of threads. Throws Error: memory_limit; usage for a domain too small; guarantee_unmet where nothing of the side holds a cell; interrupted.
+// 9 us a cell (of one CPU; 0.1 M cells a second), 0.8 kB a cell.
 FlowMesh flow_mesh(const TriangleSoup& surface, const std::vector<std::uint32_t>& patch_of_facet, const std::vector<std::string>& patch_names, const FlowMeshOptions& options,
                    Progress& progress = no_progress());
 
