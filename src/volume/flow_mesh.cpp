@@ -54,7 +54,7 @@ class FlowMesher {
   FlowMesh run() {
     choose_frame();
     progress_.begin_stage("distances and signs");
-    const LevelSet set = level_set_from_triangles(surface_, result_.frame, {.band = kBand, .far_field = false}, progress_).level_set;
+    const LevelSet set = level_set_from_triangles(surface_, result_.frame, {.band = band(), .far_field = false}, progress_).level_set;
     progress_.begin_stage("cells");
     const CellLattice lattice(set, options_, region_, progress_);
     count_levels(lattice);
@@ -70,6 +70,8 @@ class FlowMesher {
   }
 
  private:
+  // The diagonal of the largest cells at the surface, and what may move.
+  double band() const { return std::max(kBand, std::sqrt(3.0) * (2 << options_.flat_levels) + 1); }
   bool outside() const { return options_.side == MeshSide::outside; }
 
   // Mesh cells are two lattice units wide. The domain's sides are rounded to the coarsest cells, which therefore are small beside the room between surface and sides; to_model() puts
@@ -82,7 +84,7 @@ class FlowMesher {
       box.extend(options_.domain);
     }
     const double coarse = static_cast<double>(2 << options_.coarsest_level);
-    result_.frame = make_frame(box, options_.cell / 2, outside() ? coarse + kBand + kDomainMargin : kBand + kDomainMargin);
+    result_.frame = make_frame(box, options_.cell / 2, outside() ? coarse + band() + kDomainMargin : band() + kDomainMargin);
     body_ = {result_.frame.to_lattice(body.lower) - Vec3{4, 4, 4}, result_.frame.to_lattice(body.upper) + Vec3{4, 4, 4}};
     const std::int64_t step = std::int64_t{1} << options_.coarsest_level;
     const Box3& wanted = outside() ? options_.domain : box;
