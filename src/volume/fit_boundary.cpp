@@ -202,19 +202,29 @@ class Fitting {
     const std::vector<std::uint32_t> concerned = cells_concerned(faces, {p});
     const Vec3 start = mesh_.points[p];
     Vec3 best = start;
-    std::size_t least = bad_cells_among(mesh_, faces, concerned, kLimits).size();
+    double least = badness(faces, concerned);
     for (const double step : {0.1, 0.2, 0.4})
       for (int d = 0; d < kDirections && least > 0; ++d) {
         if (d == kSelf) continue;
         const std::array<int, 3> o = offset_of(d);
         const Vec3 direction{static_cast<double>(o[0]), static_cast<double>(o[1]), static_cast<double>(o[2])};
         mesh_.points[p] = start + direction * (step / norm(direction));
-        const std::size_t count = bad_cells_among(mesh_, faces, concerned, kLimits).size();
-        if (count < least) least = count, best = mesh_.points[p];
+        const double now = badness(faces, concerned);
+        if (now < least) least = now, best = mesh_.points[p];
       }
     mesh_.points[p] = best;
     result_.mended += !(best == start);
     return least == 0;
+  }
+
+  // How many of the cells are bad, and how bad: each counts 1 and up to 1 more.
+  double badness(const CellFaces& faces, const std::vector<std::uint32_t>& cells) const {
+    double sum = 0;
+    for (const BadCell& b : bad_cells_among(mesh_, faces, cells, kLimits)) {
+      const double ratio = b.limit > 0 ? b.value / b.limit : 0;
+      sum += 2 - std::max(0.0, ratio > 1 ? 1 / ratio : ratio);
+    }
+    return sum;
   }
 
   bool is_at_end(std::uint32_t p) const { return at_end_[p] != 0; }

@@ -25,6 +25,7 @@ namespace {
 
 constexpr double kBand = 5;          // lattice units: the half diagonal of a cell, and what may move
 constexpr double kDomainMargin = 4;  // between the band and the walls
+constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // lattice units: nodes nearer than this go to the crease
@@ -92,13 +93,9 @@ class FlowMesher {
     for (int a = 0; a < 3; ++a) {
       auto& from = region_.lower[static_cast<std::size_t>(a)];
       auto& to = region_.upper[static_cast<std::size_t>(a)];
-      if (outside()) {
-        from = step * static_cast<std::int64_t>(std::lround(lower[a] / static_cast<double>(step)));
-        to = step * static_cast<std::int64_t>(std::lround(upper[a] / static_cast<double>(step)));
-      } else {
-        from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(lower[a])) - 2);
-        to = static_cast<std::int64_t>(std::ceil(upper[a])) + 2;
-      }
+      const auto rounded = [&](double x, double (*round)(double)) { return step * static_cast<std::int64_t>(round(x / static_cast<double>(step))); };
+      from = outside() ? rounded(lower[a], std::round) : std::max<std::int64_t>(0, rounded(lower[a] - kInsideRoom, std::floor));
+      to = outside() ? rounded(upper[a], std::round) : rounded(upper[a] + kInsideRoom, std::ceil);
     }
   }
 
