@@ -59,6 +59,18 @@ std::vector<SurfaceCell> surface_cells(const LevelSet& set) {
   return found;
 }
 
+Vec3 unit(const Vec3& n) { return norm(n) > 0 ? n / norm(n) : n; }
+
+// The octants of the next level that hold the cells, ascending, with their mean normals.
+std::vector<SurfaceCell> octants_of(const std::vector<SurfaceCell>& cells) {
+  std::vector<SurfaceCell> octants;
+  for (const SurfaceCell& c : cells) {
+    if (octants.empty() || octants.back().cell != c.cell >> 3) octants.push_back({c.cell >> 3, {}});
+    octants.back().normal += unit(c.normal);
+  }
+  return octants;
+}
+
 // Octants of the next level around the cells, ascending; those about which the surface is flat go to `flat`, the cells of all others to `rest`. [T-HEX-10]
 void sort_out_flat(const std::vector<SurfaceCell>& cells, std::uint32_t side, double cosine, std::vector<SurfaceCell>& flat, Cells& rest) {
   std::vector<std::size_t> first;  // of each octant's cells
@@ -66,13 +78,8 @@ void sort_out_flat(const std::vector<SurfaceCell>& cells, std::uint32_t side, do
     if (i == 0 || cells[i].cell >> 3 != cells[i - 1].cell >> 3) first.push_back(i);
   const std::size_t octants = first.size();
   first.push_back(cells.size());
-  std::vector<SurfaceCell> mean(octants);
-  const auto unit = [](const Vec3& n) { return norm(n) > 0 ? n / norm(n) : n; };
-  parallel_for(octants, [&](std::size_t o) {
-    Vec3 sum;
-    for (std::size_t i = first[o]; i < first[o + 1]; ++i) sum += unit(cells[i].normal);
-    mean[o] = {cells[first[o]].cell >> 3, unit(sum)};
-  });
+  std::vector<SurfaceCell> mean = octants_of(cells);
+  for (SurfaceCell& m : mean) m.normal = unit(m.normal);
   const auto is_within = [&](std::size_t o, const Vec3& n) {
     for (std::size_t i = first[o]; i < first[o + 1]; ++i)
       if (dot(unit(cells[i].normal), n) < cosine) return false;
@@ -155,8 +162,8 @@ constexpr int face_direction(int face) {
 
 }  // namespace
 
-CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region, Progress& progress) {
-  choose_cells(set, options, region);
+CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region, Progress& progress) {
+  choose_cells(set, options, surface_level, region);
   progress.check();
   mark_existing(region);
   mark_splits();
@@ -165,7 +172,7 @@ CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, co
 }
 
 // [T-HEX-2]
-void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region) {
+void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region) {
   const int depth = set.frame.depth + 2;
   if (depth > morton::kMaxDepth) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^20 cells along a side", "choose a larger --cell");
   Cells keys, below;  // below: what has to be there at the level below
@@ -173,18 +180,20 @@ void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& optio
   for (int level = 1; level <= depth; ++level) {
     const std::uint32_t side = 1u << (depth - level);
     std::vector<SurfaceCell> flat;
-    if (level <= options.flat_levels) sort_out_flat(surface, side, std::cos(options.flat_angle * std::numbers::pi / 180), flat, below);
+    if (level <= surface_level) flat = octants_of(surface);
+    else if (level <= surface_level + options.flat_levels) sort_out_flat(surface, side, std::cos(options.flat_angle * std::numbers::pi / 180), flat, below);
     else
       for (const SurfaceCell& c : surface) below.push_back(c.cell);
     Cells divided;
     append_parents(below, options.cells_between_levels, 2 * side, divided);
-    for (const SurfaceCell& c : flat) keys.push_back(morton::key(c.cell, level));
+    if (level >= surface_level)
+      for (const SurfaceCell& c : flat) keys.push_back(morton::key(c.cell, level));
     surface = std::move(flat);
     for (const MeshRefinement& r : options.refinements) {
-      const int wanted = std::max(0, static_cast<int>(std::floor(std::log2(r.cell / options.cell) + 1e-9)));
+      const int wanted = std::max(0, surface_level + static_cast<int>(std::floor(std::log2(r.cell / options.cell) + 1e-9)));
       if (wanted + 1 == level) append_box(in_cells(set.frame, r.box), level, side, divided);
     }
-    if (level == options.coarsest_level + 1) append_box(region, level, side, divided);
+    if (level == surface_level + options.coarsest_level + 1) append_box(region, level, side, divided);
     sort_unique(divided);
     for (const std::uint64_t octant : divided) keys.push_back(morton::key(octant << 3, level - 1));
     if (keys.size() * 8 > kMostCells) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^31 cells", "choose a larger --cell");

@@ -18,7 +18,7 @@ constexpr double kLong = 0.24999, kShort = 0.41189;
 // Of pyramids on squares with moved corners: distance between the diagonals, least area of a corner and least height, in units of the side.
 constexpr double kFlat = 0.2, kSquare = 0.3, kHeight = 0.3;
 constexpr double kCube = 0.3;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
-constexpr double kCreaseReach = 1.2;  // lattice units: no node farther from the surface is near a crease
+constexpr double kCreaseReach = 1.2;  // half sides of a node's smallest cell: no node farther from the surface is near a crease
 constexpr std::size_t kCellsAtATime = 4096;
 
 using Tetrahedron = std::array<std::uint32_t, 4>;
@@ -141,8 +141,8 @@ class Stuffing {
   // [T-HEX-9]
   void move_to_creases() {
     parallel_for(sign_.size(), [&](std::size_t i) {
-      if (std::abs(phi_[i]) > kCreaseReach) return;
-      const std::optional<Vec3> target = crease_(result_.points[i]);
+      if (std::abs(phi_[i]) > kCreaseReach * (1 << level_[i])) return;
+      const std::optional<Vec3> target = crease_(result_.points[i], level_[i]);
       if (!target) return;
       result_.points[i] = *target;
       sign_[i] = 0;
