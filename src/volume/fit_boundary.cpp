@@ -20,6 +20,7 @@ constexpr double kReach = 2;          // how far a point may go to the surface
 constexpr double kCornerReach = 1.6;  // to a corner of the creases
 constexpr double kConnected = 3;      // the ball in which a path around a crease counts
 constexpr int kMendings = 6;
+constexpr std::size_t kMostMended = 256;  // bad cells at a time: a mesh with more is beyond mending
 constexpr int kSweeps = 3, kRings = 2;  // of relaxing
 constexpr int kSteps = 4;    // in which a point goes back
 constexpr int kRounds = 24;  // of moving back, in the last one all the way
@@ -172,7 +173,7 @@ class Fitting {
     const CellFaces faces = cell_faces(mesh_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
-    std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
+    std::vector<BadCell> bad = without_split_ones(bad_cells(mesh_, kLimits, progress_));
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
       const std::vector<std::uint32_t> points = culprits(faces, bad, round);
       for (const std::uint32_t p : points) {
@@ -189,6 +190,7 @@ class Fitting {
   // What is bad without any point having moved: one of its points, tried one after the other, goes where fewer cells around are bad; those at the domain's sides stay.
   void mend(const CellFaces& faces, std::vector<BadCell> bad) {
     for (int round = 0; round < kMendings && !bad.empty(); ++round) {
+      if (bad.size() > kMostMended) bad.resize(kMostMended);
       for (const BadCell& b : bad)
         for (const std::uint32_t p : volume_.cell(b.cell))
           if (!is_at_end(p) && mend_by(faces, p)) break;
@@ -219,10 +221,19 @@ class Fitting {
     return least == 0;
   }
 
+  std::vector<BadCell> bad_among(const CellFaces& faces, const std::vector<std::uint32_t>& cells) const {
+    return without_split_ones(bad_cells_among(mesh_, faces, cells, kLimits));
+  }
+  // Polyhedra with faces in one plane count as concave, wherever their points are.
+  std::vector<BadCell> without_split_ones(std::vector<BadCell> bad) const {
+    std::erase_if(bad, [&](const BadCell& b) { return volume_.shape[b.cell] == CellShape::polyhedron && b.check == "concave cells"; });
+    return bad;
+  }
+
   // How many of the cells are bad, and how bad: each counts 1 and up to 1 more.
   double badness(const CellFaces& faces, const std::vector<std::uint32_t>& cells) const {
     double sum = 0;
-    for (const BadCell& b : bad_cells_among(mesh_, faces, cells, kLimits)) {
+    for (const BadCell& b : bad_among(faces, cells)) {
       const double ratio = b.limit > 0 ? b.value / b.limit : 0;
       sum += 2 - std::max(0.0, ratio > 1 ? 1 / ratio : ratio);
     }
@@ -237,7 +248,7 @@ class Fitting {
     for (const BadCell& b : bad) cells.push_back(b.cell);
     std::sort(cells.begin(), cells.end());
     cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return bad_cells_among(mesh_, faces, cells, kLimits);
+    return bad_among(faces, cells);
   }
 
   // The cells at these points, and across their faces; ascending.
