@@ -16,11 +16,11 @@ def line(program, threads, cpu, **more):
             "peak_mb": 100 * threads, **more}
 
 
-def table_of(lines):
+def table_of(lines, command="band"):
     with tempfile.TemporaryDirectory() as folder:
         path = Path(folder) / "peers.jsonl"
         path.write_text("".join(json.dumps(each) + "\n" for each in lines), encoding="utf-8")
-        done = subprocess.run([sys.executable, SCRIPT, "band", "--table", "-o", path], text=True, capture_output=True)
+        done = subprocess.run([sys.executable, SCRIPT, command, "--table", "-o", path], text=True, capture_output=True)
     rows = [[cell.strip() for cell in row.strip("| \n").split(" | ")] for row in done.stdout.splitlines()]
     return done.returncode, rows
 
@@ -47,6 +47,16 @@ class Table(unittest.TestCase):
         _, rows = table_of([{"kind": "band", "case": "ball@diagonal/64", "program": "burnish", "threads": 1,
                              "error": "out of memory"}])
         self.assertIn("burnish: out of memory", rows[2])
+
+
+class FlowMeshes(unittest.TestCase):
+    def test_a_failed_check_is_named(self):
+        made = {"kind": "cfd", "program": "burnish", "threads": 0, "cells": 1234.0, "cpu_seconds": 2.0, "peak_mb": 30.0,
+                "non_orthogonality": 60.0, "mean_non_orthogonality": 11.0, "skewness": 0.9, "regions": 1.0}
+        _, rows = table_of([{**made, "case": "ball", "passes": True, "fails": []},
+                            {**made, "case": "knot", "passes": False, "fails": ["Concave cells"]}], "cfd")
+        self.assertEqual(rows[2], ["ball", "1,234", "2", "30", "60 / 11", "0.9", "1", "Mesh OK"])
+        self.assertEqual(rows[3][-1], "**fails**: Concave cells")
 
 
 class Usage(unittest.TestCase):
