@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "burnish/core/parallel.h"
-#include "burnish/octree/octree.h"
 #include "burnish/volume/mesh_quality.h"
+#include "mend.h"
 #include "relax.h"
 
 namespace burnish {
@@ -168,6 +168,7 @@ class Fitting {
 
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
+    Mending mending(volume_, around_, faces, at_end_, kLimits);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
@@ -178,68 +179,12 @@ class Fitting {
         const double part = steps[p] >= kSteps || round + 2 >= kRounds ? 0 : 1 - static_cast<double>(steps[p]) / kSteps;
         mesh_.points[p] = start_[p] + (wanted[p] - start_[p]) * part;
       }
-      bad = judged_again(faces, bad, points);
+      bad = mending.judged_again(bad, points);
     }
-    mend(faces, std::move(bad));
+    // What is bad without any point having moved.
+    mending.mend(std::move(bad), kMendings);
+    result_.mended = mending.moves();
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
-  }
-
-  // What is bad without any point having moved: one of its points, tried one after the other, goes where fewer cells around are bad; those at the domain's sides stay.
-  void mend(const CellFaces& faces, std::vector<BadCell> bad) {
-    for (int round = 0; round < kMendings && !bad.empty(); ++round) {
-      for (const BadCell& b : bad)
-        for (const std::uint32_t p : volume_.cell(b.cell))
-          if (!is_at_end(p) && mend_by(faces, p)) break;
-      std::vector<std::uint32_t> again;
-      for (const BadCell& b : bad)
-        for (const std::uint32_t p : volume_.cell(b.cell)) again.push_back(p);
-      bad = judged_again(faces, bad, again);
-    }
-  }
-
-  // True if no cell that the point concerns is bad any more.
-  bool mend_by(const CellFaces& faces, std::uint32_t p) {
-    const std::vector<std::uint32_t> concerned = cells_concerned(faces, {p});
-    const Vec3 start = mesh_.points[p];
-    Vec3 best = start;
-    std::size_t least = bad_cells_among(mesh_, faces, concerned, kLimits).size();
-    for (const double step : {0.1, 0.2, 0.4})
-      for (int d = 0; d < kDirections && least > 0; ++d) {
-        if (d == kSelf) continue;
-        const std::array<int, 3> o = offset_of(d);
-        const Vec3 direction{static_cast<double>(o[0]), static_cast<double>(o[1]), static_cast<double>(o[2])};
-        mesh_.points[p] = start + direction * (step / norm(direction));
-        const std::size_t count = bad_cells_among(mesh_, faces, concerned, kLimits).size();
-        if (count < least) least = count, best = mesh_.points[p];
-      }
-    mesh_.points[p] = best;
-    result_.mended += !(best == start);
-    return least == 0;
-  }
-
-  bool is_at_end(std::uint32_t p) const { return at_end_[p] != 0; }
-
-  // The bad cells once these points have moved.
-  std::vector<BadCell> judged_again(const CellFaces& faces, const std::vector<BadCell>& bad, const std::vector<std::uint32_t>& moved) const {
-    std::vector<std::uint32_t> cells = cells_concerned(faces, moved);
-    for (const BadCell& b : bad) cells.push_back(b.cell);
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return bad_cells_among(mesh_, faces, cells, kLimits);
-  }
-
-  // The cells at these points, and across their faces; ascending.
-  std::vector<std::uint32_t> cells_concerned(const CellFaces& faces, const std::vector<std::uint32_t>& points) const {
-    std::vector<std::uint32_t> cells;
-    for (const std::uint32_t p : points)
-      for (const std::uint32_t c : around_[p])
-        for (const std::uint32_t f : faces[c]) {
-          cells.push_back(mesh_.owner[f]);
-          if (f < mesh_.internal_faces()) cells.push_back(mesh_.neighbour[f]);
-        }
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return cells;
   }
 
   // Of each bad cell the point that has moved farthest; in later rounds all of them, then those of the neighbours too.

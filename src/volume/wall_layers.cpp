@@ -11,6 +11,7 @@
 #include "assemble.h"
 #include "burnish/core/parallel.h"
 #include "burnish/volume/mesh_quality.h"
+#include "mend.h"
 #include "point_cells.h"
 #include "relax.h"
 
@@ -27,7 +28,8 @@ constexpr double kLongest = 1.5;   // a column's length along its direction, in 
 constexpr double kLower = 0.6;     // what is left of a column at a bad cell
 constexpr double kLowest = 0.5;    // what is lower than this part of the thickness vanishes
 // After so many rounds points of bad cells are not relaxed any more; stay where they were without layers; columns beside those at bad cells get lower too; nothing more is tried.
-constexpr int kRelaxingRounds = 3, kMovingRounds = 8, kLoneRounds = 14, kRounds = 24;
+constexpr int kRelaxingRounds = 3, kMovingRounds = 16, kLoneRounds = 16, kRounds = 24;
+constexpr int kMendingFrom = 1, kMendings = 2;  // rounds
 constexpr MeshQualityLimits kLimits{.non_orthogonality = 70, .internal_skewness = 2, .boundary_skewness = 2};
 
 using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -53,7 +55,9 @@ class LayerGrowth {
     build();
     for (int round = 0; round < kRounds; ++round) {
       progress_.check();
-      const std::vector<BadCell> bad = bad_cells(grown_.mesh, kLimits, progress_);
+      std::vector<BadCell> bad = bad_cells(grown_.mesh, kLimits, progress_);
+      report(round, bad);
+      if (round >= kMendingFrom) bad = mended(std::move(bad));
       report(round, bad);
       if (bad.empty()) break;
       lower(bad, round);
@@ -338,6 +342,17 @@ class LayerGrowth {
     const auto points = cell < inner_cells_ ? volume_.cell(cell) : mesh_.face(face_of_cell_[cell - inner_cells_]);
     for (const std::uint32_t p : points)
       if (root_[p] != kNone) columns.push_back(root_[p]);
+  }
+
+  // By moving points that are not on the boundary.
+  std::vector<BadCell> mended(std::vector<BadCell> bad) {
+    const PolyhedralMesh& mesh = grown_.mesh;
+    const PointCells around(grown_);
+    const CellFaces faces = cell_faces(mesh);
+    std::vector<std::uint8_t> fixed(mesh.points.size(), 0);
+    for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f)
+      for (const std::uint32_t p : mesh.face(f)) fixed[p] = 1;
+    return Mending(grown_, around, faces, fixed, kLimits).mend(std::move(bad), kMendings);
   }
 
   // [T-LAYER-3]

@@ -1,0 +1,39 @@
+// Bad cells of a volume mesh, one after the other: one of a cell's points moves to where fewer cells around it are bad.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "burnish/volume/mesh_quality.h"
+#include "point_cells.h"
+
+namespace burnish {
+
+// [T-HEX-6] For a mesh in lattice units (its cells at the surface have side 2) whose points alone change. The same bits always: one thread.
+class Mending {
+ public:
+  // All are kept by reference. `fixed`: per point, whether it has to stay.
+  Mending(VolumeMesh& volume, const PointCells& around, const CellFaces& faces, const std::vector<std::uint8_t>& fixed, const MeshQualityLimits& limits)
+      : volume_(volume), around_(around), faces_(faces), fixed_(fixed), limits_(limits) {}
+
+  // Moves points by up to a fifth of a cell, in at most `rounds` rounds; the cells that are bad in the end. 20 ms a bad tetrahedron and round.
+  std::vector<BadCell> mend(std::vector<BadCell> bad, int rounds);
+  // How often a point has moved.
+  std::uint64_t moves() const { return moves_; }
+
+  // The bad cells once these points have moved: those of `bad` and of the cells concerned.
+  std::vector<BadCell> judged_again(const std::vector<BadCell>& bad, const std::vector<std::uint32_t>& moved) const;
+
+ private:
+  bool mend_by(std::uint32_t point);
+  std::vector<std::uint32_t> cells_concerned(const std::vector<std::uint32_t>& points) const;
+
+  VolumeMesh& volume_;
+  const PointCells& around_;
+  const CellFaces& faces_;
+  const std::vector<std::uint8_t>& fixed_;
+  const MeshQualityLimits limits_;
+  std::uint64_t moves_ = 0;
+};
+
+}  // namespace burnish
