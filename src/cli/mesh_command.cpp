@@ -105,12 +105,16 @@ class MeshCommand : public Command {
         {"--domain", 0, "D", "Domain",
          "With --outside, that box: a margin around the model, such as 20 or 300%, or xmin,ymin,zmin,xmax,ymax,zmax. The longest side around when not given.",
          [this](const GivenValue& v) { set_domain(v); }},
-        {"--cell", 0, "L", "Cells", "Side of the cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
+        {"--cell", 0, "L", "Cells", "Side of the finest cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
          [this](const GivenValue& v) { job_.cell = length_without_cells(v); }},
         {"--cells", 0, "N", "Cells", "Choose the side so that there are about N cells, such as 200000, 200k or 2M.", [this](const GivenValue& v) { job_.cells = cell_count(v); }},
         {"--refine", 0, "BOX:L", "Cells", "No larger cells than L where they meet a box xmin,ymin,zmin,xmax,ymax,zmax. May be repeated.", [this](const GivenValue& v) { add_refinement(v); }, true},
         {"--coarsest", 0, "N", "Cells", "Away from the surface, cells are up to 2^N times as large (0 to 10; default 4).",
          [this](const GivenValue& v) { job_.coarsest_level = static_cast<int>(integer_within(v, 0, 10)); }},
+        {"--flat-levels", 0, "N", "Cells", "Where the surface is flat, its cells are up to 2^N times as large (0 to 4; default 1).",
+         [this](const GivenValue& v) { job_.flat_levels = static_cast<int>(integer_within(v, 0, 4)); }},
+        {"--flat-angle", 0, "ANGLE", "Cells", "Flat is where normals turn by less than ANGLE degrees within a cell's length around a cell (default 45).",
+         [this](const GivenValue& v) { job_.flat_angle = flat_angle(v); }},
         {"--rows", 0, "N", "Cells", "Rows of cells of one size before the next larger one (1 to 20; default 2).",
          [this](const GivenValue& v) { job_.cells_between_levels = static_cast<int>(integer_within(v, 1, 20)); }},
         {"--flavour", 0, "F", "Cells", "'conforming' (default): any solver reads it; 'polyhedral': fewer cells, hexahedra with split faces, for OpenFOAM and VTK.",
@@ -155,6 +159,12 @@ class MeshCommand : public Command {
     const std::size_t colon = v.text.rfind(':');
     if (colon == v.text.npos) throw Error(ErrorCode::usage, fmt::format("{} {}: expected BOX:L", v.name, v.text), "for example --refine 0,0,0,10,10,20:0.5");
     job_.refinements.push_back({box_of({v.name, v.text.substr(0, colon)}), positive_length({v.name, v.text.substr(colon + 1)})});
+  }
+
+  static double flat_angle(const GivenValue& v) {
+    const double angle = positive_number(v);
+    if (angle > 90) throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle up to 90 degrees", v.name, v.text));
+    return angle;
   }
 
   void set_crease_angle(const GivenValue& v) {

@@ -174,6 +174,8 @@ class FlowMeshRun {
     options.side = job_.side;
     options.flavour = job_.flavour;
     options.coarsest_level = job_.coarsest_level;
+    options.flat_levels = job_.flat_levels;
+    options.flat_angle = job_.flat_angle;
     options.cells_between_levels = job_.cells_between_levels;
     options.crease_angle = job_.crease_angle;
     options.layers = layers(cell);

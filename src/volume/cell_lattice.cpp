@@ -31,10 +31,16 @@ void sort_unique(Cells& cells) {
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
 }
 
-// Cells of level 0 that the surface may pass.
-Cells surface_cells(const LevelSet& set) {
+// A cell that the surface may pass, and where the surface there faces.
+struct SurfaceCell {
+  std::uint64_t cell = 0;  // interleaved position in cells of some level
+  Vec3 normal;             // of any length
+};
+
+// Those of level 0, ascending.
+std::vector<SurfaceCell> surface_cells(const LevelSet& set) {
   constexpr int kHalf = kBlockSide / 2;
-  Cells found;
+  std::vector<SurfaceCell> found;
   for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
     if (set.octree().level(leaf) != 0 || !set.grid.near_surface(leaf)) continue;
     const float* phi = set.phi.block(leaf);
@@ -42,12 +48,62 @@ Cells surface_cells(const LevelSet& set) {
     for (int k = 0; k < kHalf; ++k)
       for (int j = 0; j < kHalf; ++j)
         for (int i = 0; i < kHalf; ++i) {
-          if (std::abs(phi[node_index(2 * i + 1, 2 * j + 1, 2 * k + 1)]) > std::numbers::sqrt3 + kReach) continue;
+          const auto value = [&](int x, int y, int z) { return phi[node_index(2 * i + x, 2 * j + y, 2 * k + z)]; };
+          const float centre = value(1, 1, 1);
+          if (std::abs(centre) > std::numbers::sqrt3 + kReach) continue;
           const auto at = [&](std::uint32_t c, int n) { return c * kHalf + static_cast<std::uint32_t>(n); };
-          found.push_back(morton::interleave({at(block.x, i), at(block.y, j), at(block.z, k)}));
+          found.push_back({morton::interleave({at(block.x, i), at(block.y, j), at(block.z, k)}), {centre - value(0, 1, 1), centre - value(1, 0, 1), centre - value(1, 1, 0)}});
         }
   }
+  std::sort(found.begin(), found.end(), [](const SurfaceCell& a, const SurfaceCell& b) { return a.cell < b.cell; });
   return found;
+}
+
+Vec3 unit(const Vec3& n) { return norm(n) > 0 ? n / norm(n) : n; }
+
+// The octants of the next level that hold the cells, ascending, with their mean normals.
+std::vector<SurfaceCell> octants_of(const std::vector<SurfaceCell>& cells) {
+  std::vector<SurfaceCell> octants;
+  for (const SurfaceCell& c : cells) {
+    if (octants.empty() || octants.back().cell != c.cell >> 3) octants.push_back({c.cell >> 3, {}});
+    octants.back().normal += unit(c.normal);
+  }
+  return octants;
+}
+
+// Octants of the next level around the cells, ascending; those about which the surface is flat go to `flat`, the cells of all others to `rest`. [T-HEX-10]
+void sort_out_flat(const std::vector<SurfaceCell>& cells, std::uint32_t side, double cosine, std::vector<SurfaceCell>& flat, Cells& rest) {
+  std::vector<std::size_t> first;  // of each octant's cells
+  for (std::size_t i = 0; i < cells.size(); ++i)
+    if (i == 0 || cells[i].cell >> 3 != cells[i - 1].cell >> 3) first.push_back(i);
+  const std::size_t octants = first.size();
+  first.push_back(cells.size());
+  std::vector<SurfaceCell> mean = octants_of(cells);
+  for (SurfaceCell& m : mean) m.normal = unit(m.normal);
+  const auto is_within = [&](std::size_t o, const Vec3& n) {
+    for (std::size_t i = first[o]; i < first[o + 1]; ++i)
+      if (dot(unit(cells[i].normal), n) < cosine) return false;
+    return true;
+  };
+  std::vector<std::uint8_t> is_flat(octants);
+  parallel_for(octants, [&](std::size_t o) {
+    const morton::Position p = morton::deinterleave(mean[o].cell);
+    bool same = true;
+    for (int d = 0; d < kDirections && same; ++d) {
+      const std::array<int, 3> by = offset_of(d);
+      const morton::Position q{p.x + static_cast<std::uint32_t>(by[0]), p.y + static_cast<std::uint32_t>(by[1]), p.z + static_cast<std::uint32_t>(by[2])};
+      if (q.x >= side || q.y >= side || q.z >= side) continue;
+      const std::uint64_t key = morton::interleave(q);
+      const auto found = std::lower_bound(mean.begin(), mean.end(), key, [](const SurfaceCell& c, std::uint64_t k) { return c.cell < k; });
+      if (found != mean.end() && found->cell == key) same = is_within(static_cast<std::size_t>(found - mean.begin()), mean[o].normal);
+    }
+    is_flat[o] = same;
+  });
+  for (std::size_t o = 0; o < octants; ++o) {
+    if (is_flat[o]) flat.push_back(mean[o]);
+    else
+      for (std::size_t i = first[o]; i < first[o + 1]; ++i) rest.push_back(cells[i].cell);
+  }
 }
 
 // Appends the octants of the next level that hold a cell within `rows` of one of these.
@@ -106,8 +162,8 @@ constexpr int face_direction(int face) {
 
 }  // namespace
 
-CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region, Progress& progress) {
-  choose_cells(set, options, region);
+CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region, Progress& progress) {
+  choose_cells(set, options, surface_level, region);
   progress.check();
   mark_existing(region);
   mark_splits();
@@ -116,18 +172,28 @@ CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, co
 }
 
 // [T-HEX-2]
-void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region) {
+void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region) {
   const int depth = set.frame.depth + 2;
   if (depth > morton::kMaxDepth) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^20 cells along a side", "choose a larger --cell");
-  Cells keys, below = surface_cells(set);
+  Cells keys, below;  // below: what has to be there at the level below
+  std::vector<SurfaceCell> surface = surface_cells(set);
   for (int level = 1; level <= depth; ++level) {
+    const std::uint32_t side = 1u << (depth - level);
+    std::vector<SurfaceCell> flat;
+    if (level <= surface_level) flat = octants_of(surface);
+    else if (level <= surface_level + options.flat_levels) sort_out_flat(surface, side, std::cos(options.flat_angle * std::numbers::pi / 180), flat, below);
+    else
+      for (const SurfaceCell& c : surface) below.push_back(c.cell);
     Cells divided;
-    append_parents(below, options.cells_between_levels, 1u << (depth - level + 1), divided);
+    append_parents(below, options.cells_between_levels, 2 * side, divided);
+    if (level >= surface_level)
+      for (const SurfaceCell& c : flat) keys.push_back(morton::key(c.cell, level));
+    surface = std::move(flat);
     for (const MeshRefinement& r : options.refinements) {
-      const int wanted = std::max(0, static_cast<int>(std::floor(std::log2(r.cell / options.cell) + 1e-9)));
-      if (wanted + 1 == level) append_box(in_cells(set.frame, r.box), level, 1u << (depth - level), divided);
+      const int wanted = std::max(0, surface_level + static_cast<int>(std::floor(std::log2(r.cell / options.cell) + 1e-9)));
+      if (wanted + 1 == level) append_box(in_cells(set.frame, r.box), level, side, divided);
     }
-    if (level == options.coarsest_level + 1) append_box(region, level, 1u << (depth - level), divided);
+    if (level == surface_level + options.coarsest_level + 1) append_box(region, level, side, divided);
     sort_unique(divided);
     for (const std::uint64_t octant : divided) keys.push_back(morton::key(octant << 3, level - 1));
     if (keys.size() * 8 > kMostCells) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^31 cells", "choose a larger --cell");

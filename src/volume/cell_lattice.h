@@ -35,8 +35,9 @@ struct FacePolygon {
 
 class CellLattice {
  public:
-  // Cells of level 0 wherever the surface passes, coarser away from it as the options say; `region`: what of the lattice is wanted.
-  CellLattice(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region, Progress& progress);
+  // Cells of level `surface_level` wherever the surface passes, larger where it is flat and away from it, smaller in refinements, as the options say; `options.cell` is the side of such cells.
+  // `region`: what of the lattice is wanted.
+  CellLattice(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region, Progress& progress);
 
   const Octree& tree() const { return tree_; }
   std::size_t cells() const { return tree_.size(); }
@@ -63,7 +64,7 @@ class CellLattice {
   bool owns(std::size_t cell, int face) const;
 
  private:
-  void choose_cells(const LevelSet& set, const FlowMeshOptions& options, const LatticeBox& region);
+  void choose_cells(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region);
   void mark_existing(const LatticeBox& region);
   void number_nodes();
   void mark_splits();

@@ -15,7 +15,8 @@
 namespace burnish {
 namespace {
 
-constexpr double kReach = 2;          // lattice units: how far a point may go to the surface
+// In half sides of the cells at the surface.
+constexpr double kReach = 2;          // how far a point may go to the surface
 constexpr double kCornerReach = 1.6;  // to a corner of the creases
 constexpr double kConnected = 3;      // the ball in which a path around a crease counts
 constexpr int kMendings = 6;
@@ -26,8 +27,8 @@ constexpr MeshQualityLimits kLimits{.non_orthogonality = 65, .internal_skewness 
 
 class Fitting {
  public:
-  Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, Progress& progress)
-      : volume_(mesh), mesh_(mesh.mesh), around_(mesh), on_wall_(on_wall), reference_(reference), sign_(sign), progress_(progress) {}
+  Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, double cell, Progress& progress)
+      : volume_(mesh), mesh_(mesh.mesh), around_(mesh), on_wall_(on_wall), reference_(reference), sign_(sign), cell_(cell), progress_(progress) {}
 
   BoundaryFit run() {
     start_ = mesh_.points;
@@ -70,7 +71,7 @@ class Fitting {
     facet_.assign(mesh_.points.size(), kNoFacet);
     parallel_for(wall_.size(), [&](std::size_t i) {
       const std::uint32_t p = wall_[i];
-      const ReferenceSurface::Foot foot = reference_.closest(start_[p], kReach, normal_[p]);
+      const ReferenceSurface::Foot foot = reference_.closest(start_[p], kReach * cell_, normal_[p]);
       if (!foot.found()) return;
       mesh_.points[p] = foot.point;
       facet_[p] = foot.facet;
@@ -83,7 +84,7 @@ class Fitting {
     const auto& corners = reference_.creases().corners;
     if (corners.empty()) return;
     using Bin = std::array<std::int64_t, 3>;
-    const auto bin_of = [](const Vec3& p) { return Bin{std::llround(std::floor(p.x / 2)), std::llround(std::floor(p.y / 2)), std::llround(std::floor(p.z / 2))}; };
+    const auto bin_of = [&](const Vec3& p) { return Bin{std::llround(std::floor(p.x / (2 * cell_))), std::llround(std::floor(p.y / (2 * cell_))), std::llround(std::floor(p.z / (2 * cell_)))}; };
     std::map<Bin, std::vector<std::uint32_t>> bins;
     for (std::uint32_t c = 0; c < corners.size(); ++c) bins[bin_of(reference_.soup().points[corners[c]])].push_back(c);
     std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;
@@ -93,7 +94,7 @@ class Fitting {
         const auto found = bins.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
         if (found == bins.end()) continue;
         for (const std::uint32_t c : found->second)
-          if (const double d = norm(reference_.soup().points[corners[c]] - start_[p]); d < kCornerReach) pairs.emplace_back(d, p, c);
+          if (const double d = norm(reference_.soup().points[corners[c]] - start_[p]); d < kCornerReach * cell_) pairs.emplace_back(d, p, c);
       }
     }
     std::sort(pairs.begin(), pairs.end());
@@ -110,14 +111,14 @@ class Fitting {
     if (facet_[a] == kNoFacet || facet_[b] == kNoFacet || reference_.sheet(facet_[a]) == reference_.sheet(facet_[b])) {
       if (facet_[a] == kNoFacet || facet_[b] == kNoFacet || facet_[a] == facet_[b]) return false;
     }
-    return !reference_.connected(facet_[a], facet_[b], (start_[a] + start_[b]) * 0.5, kConnected);
+    return !reference_.connected(facet_[a], facet_[b], (start_[a] + start_[b]) * 0.5, kConnected * cell_);
   }
 
   void cover_crossed_edges() {
     std::vector<std::uint8_t> near(mesh_.points.size(), 0);
     parallel_for(wall_.size(), [&](std::size_t i) {
       std::uint32_t hint = kNoFacet;
-      near[wall_[i]] = reference_.is_near_creases(start_[wall_[i]], kConnected, hint);
+      near[wall_[i]] = reference_.is_near_creases(start_[wall_[i]], kConnected * cell_, hint);
     });
     struct Wish {
       double distance;
@@ -128,17 +129,18 @@ class Fitting {
     std::vector<std::uint32_t> parted;
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
       if (near[edges_[e].first] && near[edges_[e].second] && is_parted(edges_[e].first, edges_[e].second)) parted.push_back(e);
+    const double reach = kReach * cell_;
     std::vector<Wish> wishes(2 * parted.size());
     parallel_for(wishes.size(), [&](std::size_t i) {
       const auto [a, b] = edges_[parted[i / 2]];
       const std::uint32_t p = i % 2 == 0 ? a : b;
-      const ReferenceSurface::Foot foot = reference_.closest_between(mesh_.points[p], kReach, facet_[a], facet_[b]);
-      wishes[i] = {foot.found() ? std::sqrt(foot.squared_distance) : kReach, p, static_cast<std::uint32_t>(i / 2), foot.found() ? foot.point : mesh_.points[p]};
+      const ReferenceSurface::Foot foot = reference_.closest_between(mesh_.points[p], reach, facet_[a], facet_[b]);
+      wishes[i] = {foot.found() ? std::sqrt(foot.squared_distance) : reach, p, static_cast<std::uint32_t>(i / 2), foot.found() ? foot.point : mesh_.points[p]};
     });
     std::sort(wishes.begin(), wishes.end());
     for (const Wish& w : wishes) {
       const auto [a, b] = edges_[parted[w.edge]];
-      if (fixed_[a] || fixed_[b] || w.distance >= kReach) continue;
+      if (fixed_[a] || fixed_[b] || w.distance >= reach) continue;
       fixed_[w.point] = 1;
       mesh_.points[w.point] = w.at;
       ++result_.crease_points;
@@ -168,7 +170,7 @@ class Fitting {
 
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
-    Mending mending(volume_, around_, faces, at_end_, kLimits);
+    Mending mending(volume_, around_, faces, at_end_, kLimits, cell_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
@@ -213,7 +215,7 @@ class Fitting {
   const PointCells around_;
   const std::vector<std::uint8_t>& on_wall_;
   const ReferenceSurface& reference_;
-  const double sign_;
+  const double sign_, cell_;
   Progress& progress_;
   std::vector<Vec3> start_, normal_;
   std::vector<std::uint32_t> wall_;  // points on the surface
@@ -226,8 +228,8 @@ class Fitting {
 
 }  // namespace
 
-BoundaryFit fit_boundary(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, Progress& progress) {
-  return Fitting(mesh, on_wall, reference, sign, progress).run();
+BoundaryFit fit_boundary(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, double cell, Progress& progress) {
+  return Fitting(mesh, on_wall, reference, sign, cell, progress).run();
 }
 
 }  // namespace burnish

@@ -26,9 +26,12 @@ namespace {
 
 constexpr double kBand = 5;          // lattice units: the half diagonal of a cell, and what may move
 constexpr double kDomainMargin = 4;  // between the band and the walls
+constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
+constexpr int kMostRefined = 5;      // levels below the cells at the surface
+constexpr double kBytesPerCell = 800, kBytesAtSurface = 9000;  // measured; the latter per square of a cell's side, where all of the surface has the finest cells
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
-constexpr double kCreaseSnap = 0.7;  // lattice units: nodes nearer than this go to the crease
+constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
 constexpr double kCornerSnap = 0.85;  // and the nearest one to a corner, if nearer than this
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
 constexpr std::array<const char*, 6> kSides{"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
@@ -36,11 +39,12 @@ constexpr std::array<const char*, 6> kSides{"xMin", "xMax", "yMin", "yMax", "zMi
 using LatticePlace = std::array<std::int64_t, 3>;
 Vec3 place_of(const LatticePlace& n) { return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])}; }
 
-// The corner (all coordinates even) or the centre (all odd) of a finest cell that is nearest to a point.
-LatticePlace nearest_node(const Vec3& p) {
+// The corner (all coordinates even multiples of 2^level) or the centre (all odd ones) of a cell of that level that is nearest to a point.
+LatticePlace nearest_node(const Vec3& p, int level) {
+  const std::int64_t half = std::int64_t{1} << level;
   const auto nearest = [&](std::int64_t odd) {
     LatticePlace n{};
-    for (int a = 0; a < 3; ++a) n[static_cast<std::size_t>(a)] = 2 * std::llround((p[a] - static_cast<double>(odd)) / 2) + odd;
+    for (int a = 0; a < 3; ++a) n[static_cast<std::size_t>(a)] = half * (2 * std::llround((p[a] / static_cast<double>(half) - static_cast<double>(odd)) / 2) + odd);
     return n;
   };
   const LatticePlace corner = nearest(0), centre = nearest(1);
@@ -54,11 +58,13 @@ class FlowMesher {
 
   FlowMesh run() {
     choose_frame();
+    require_memory(kBytesAtSurface * area(surface_) / (4 * result_.frame.cell * result_.frame.cell));
     progress_.begin_stage("distances and signs");
-    const LevelSet set = level_set_from_triangles(surface_, result_.frame, {.band = kBand, .far_field = false}, progress_).level_set;
+    const LevelSet set = level_set_from_triangles(surface_, result_.frame, {.band = band(), .far_field = false}, progress_).level_set;
     progress_.begin_stage("cells");
-    const CellLattice lattice(set, options_, region_, progress_);
+    const CellLattice lattice(set, options_, surface_level_, region_, progress_);
     count_levels(lattice);
+    require_memory(kBytesPerCell * static_cast<double>(lattice.cells()));
     refer();
     stuffed_ = stuff(lattice, set, options_.side == MeshSide::inside ? 1 : -1, options_.flavour, crease_target(), progress_);
     result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
@@ -72,6 +78,10 @@ class FlowMesher {
   }
 
  private:
+  // The diagonal of the largest cells at the surface, and what may move.
+  double band() const { return std::max(kBand, std::sqrt(3.0) * (2 << (surface_level_ + options_.flat_levels)) + 1); }
+  // Finest cells along a cell at the surface.
+  double surface_cell() const { return static_cast<double>(1 << surface_level_); }
   bool outside() const { return options_.side == MeshSide::outside; }
 
   // Mesh cells are two lattice units wide. The domain's sides are rounded to the coarsest cells, which therefore are small beside the room between surface and sides; to_model() puts
@@ -83,22 +93,21 @@ class FlowMesher {
       limit_coarsest(body);
       box.extend(options_.domain);
     }
-    const double coarse = static_cast<double>(2 << options_.coarsest_level);
-    result_.frame = make_frame(box, options_.cell / 2, outside() ? coarse + kBand + kDomainMargin : kBand + kDomainMargin);
-    body_ = {result_.frame.to_lattice(body.lower) - Vec3{4, 4, 4}, result_.frame.to_lattice(body.upper) + Vec3{4, 4, 4}};
-    const std::int64_t step = std::int64_t{1} << options_.coarsest_level;
+    for (const MeshRefinement& r : options_.refinements) surface_level_ = std::max(surface_level_, static_cast<int>(std::ceil(std::log2(options_.cell / r.cell) - 1e-9)));
+    if (surface_level_ > kMostRefined) throw Error(ErrorCode::usage, fmt::format("a refinement asks for cells of less than 1/{} of those at the surface", 1 << kMostRefined), "choose a smaller --cell");
+    const int coarsest = surface_level_ + options_.coarsest_level;
+    const double coarse = static_cast<double>(2 << coarsest);
+    result_.frame = make_frame(box, options_.cell / (2 * surface_cell()), outside() ? coarse + band() + kDomainMargin : band() + kDomainMargin);
+    body_ = {result_.frame.to_lattice(body.lower) - Vec3{4, 4, 4} * surface_cell(), result_.frame.to_lattice(body.upper) + Vec3{4, 4, 4} * surface_cell()};
+    const std::int64_t step = std::int64_t{1} << coarsest;
     const Box3& wanted = outside() ? options_.domain : box;
     const Vec3 lower = result_.frame.to_lattice(wanted.lower) / 2, upper = result_.frame.to_lattice(wanted.upper) / 2;
     for (int a = 0; a < 3; ++a) {
       auto& from = region_.lower[static_cast<std::size_t>(a)];
       auto& to = region_.upper[static_cast<std::size_t>(a)];
-      if (outside()) {
-        from = step * static_cast<std::int64_t>(std::lround(lower[a] / static_cast<double>(step)));
-        to = step * static_cast<std::int64_t>(std::lround(upper[a] / static_cast<double>(step)));
-      } else {
-        from = std::max<std::int64_t>(0, static_cast<std::int64_t>(std::floor(lower[a])) - 2);
-        to = static_cast<std::int64_t>(std::ceil(upper[a])) + 2;
-      }
+      const auto rounded = [&](double x, double (*round)(double)) { return step * static_cast<std::int64_t>(round(x / static_cast<double>(step))); };
+      from = outside() ? rounded(lower[a], std::round) : std::max<std::int64_t>(0, rounded(lower[a] - kInsideRoom * surface_cell(), std::floor));
+      to = outside() ? rounded(upper[a], std::round) : rounded(upper[a] + kInsideRoom * surface_cell(), std::ceil);
     }
   }
 
@@ -109,6 +118,12 @@ class FlowMesher {
     if (!(room >= kLeastRoom))
       throw Error(ErrorCode::usage, fmt::format("a side of the domain is {:.3g} cells from the surface; it has to be {} at least", room, kLeastRoom), "choose a larger --domain, or a smaller --cell");
     options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom))), 0, options_.coarsest_level);
+  }
+
+  void require_memory(double bytes) const {
+    if (bytes <= static_cast<double>(options_.memory_bytes)) return;
+    throw Error(ErrorCode::memory_limit, fmt::format("a mesh with cells of {:.4g} takes about {:.1f} GB; the budget is {:.1f} GB", options_.cell, bytes * 0x1p-30, static_cast<double>(options_.memory_bytes) * 0x1p-30),
+                "choose a larger --cell, or raise --memory");
   }
 
   void count_levels(const CellLattice& lattice) {
@@ -131,12 +146,13 @@ class FlowMesher {
     for (std::size_t c = 0; c < part.size(); ++c) volume[part[c]] += geometry.volume[c];
     std::vector<std::uint8_t> keep(part.size());
     std::size_t crumbs = 0;
+    const double smallest = kSmallestPart * 8 * surface_cell() * surface_cell() * surface_cell();
     double lost = 0;
     for (const double v : volume)
-      if (v < 8 * kSmallestPart) ++crumbs, lost += v;
+      if (v < smallest) ++crumbs, lost += v;
     if (crumbs == 0) return;
     if (crumbs == parts) throw Error(ErrorCode::guarantee_unmet, "the solid is thinner than a cell everywhere", "choose a smaller --cell");
-    for (std::size_t c = 0; c < part.size(); ++c) keep[c] = volume[part[c]] >= 8 * kSmallestPart;
+    for (std::size_t c = 0; c < part.size(); ++c) keep[c] = volume[part[c]] >= smallest;
     stuffed_.cells = kept_cells(stuffed_.cells, keep);
     result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
     const double cube = result_.frame.cell * result_.frame.cell * result_.frame.cell;
@@ -155,12 +171,12 @@ class FlowMesher {
     std::map<LatticePlace, Vec3> corners;
     for (const std::uint32_t c : reference_->creases().corners) {
       const Vec3& at = reference_->soup().points[c];
-      const LatticePlace node = nearest_node(at);
-      if (norm(place_of(node) - at) < kCornerSnap) corners.emplace(node, at);
+      const LatticePlace node = nearest_node(at, surface_level_);
+      if (norm(place_of(node) - at) < kCornerSnap * surface_cell()) corners.emplace(node, at);
     }
-    return [this, corners = std::move(corners)](const Vec3& node) -> std::optional<Vec3> {
-      if (const auto found = corners.find(nearest_node(node)); found != corners.end() && place_of(found->first) == node) return found->second;
-      const ReferenceSurface::Foot foot = reference_->closest_on_creases(node, kCreaseSnap);
+    return [this, corners = std::move(corners)](const Vec3& node, int level) -> std::optional<Vec3> {
+      if (const auto found = corners.find(nearest_node(node, surface_level_)); found != corners.end() && place_of(found->first) == node) return found->second;
+      const ReferenceSurface::Foot foot = reference_->closest_on_creases(node, kCreaseSnap * (1 << level));
       if (!foot.found()) return std::nullopt;
       return foot.point;
     };
@@ -179,7 +195,7 @@ class FlowMesher {
 
   void fit() {
     mark_wall();
-    const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, progress_);
+    const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, surface_cell(), progress_);
     result_.moved_back = told.moved_back;
     result_.crease_points = told.crease_points + told.corners;
   }
@@ -189,7 +205,7 @@ class FlowMesher {
     const double cell = result_.frame.cell;
     WallLayers layers = options_.layers;
     layers.first /= cell;
-    LayerCoverage& told = result_.layers = grow_wall_layers(stuffed_, result_.mesh, source_, on_wall_, layers, progress_);
+    LayerCoverage& told = result_.layers = grow_wall_layers(stuffed_, result_.mesh, source_, on_wall_, layers, surface_cell(), progress_);
     told = {told.wall_area * cell * cell, told.covered_area * cell * cell, told.least_first * cell, told.greatest_first * cell};
     mark_wall();
   }
@@ -212,7 +228,7 @@ class FlowMesher {
   }
 
   std::uint32_t nearest_facet(std::size_t face) const {
-    const ReferenceSurface::Foot foot = reference_->closest(face_middle(result_.mesh.mesh, face), 4, {});
+    const ReferenceSurface::Foot foot = reference_->closest(face_middle(result_.mesh.mesh, face), 4 * surface_cell(), {});
     return foot.found() ? foot.facet : 0;
   }
 
@@ -252,6 +268,7 @@ class FlowMesher {
   const std::vector<std::uint32_t>& patch_of_facet_;
   const std::vector<std::string>& patch_names_;
   FlowMeshOptions options_;
+  int surface_level_ = 0;  // of cells at the surface; refinements are below
   Box3 body_;  // the surface's box and two cells around it, in lattice units
   Progress& progress_;
   LatticeBox region_;

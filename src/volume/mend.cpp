@@ -27,19 +27,29 @@ bool Mending::mend_by(std::uint32_t p) {
   Vec3& at = volume_.mesh.points[p];
   const Vec3 start = at;
   Vec3 best = start;
-  std::size_t least = bad_cells_among(volume_.mesh, faces_, concerned, limits_).size();
+  double least = badness(concerned);
   for (const double step : {0.1, 0.2, 0.4})
     for (int d = 0; d < kDirections && least > 0; ++d) {
       if (d == kSelf) continue;
       const std::array<int, 3> o = offset_of(d);
       const Vec3 direction{static_cast<double>(o[0]), static_cast<double>(o[1]), static_cast<double>(o[2])};
-      at = start + direction * (step / norm(direction));
-      const std::size_t count = bad_cells_among(volume_.mesh, faces_, concerned, limits_).size();
-      if (count < least) least = count, best = at;
+      at = start + direction * (step * cell_ / norm(direction));
+      const double now = badness(concerned);
+      if (now < least) least = now, best = at;
     }
   at = best;
   moves_ += !(best == start);
   return least == 0;
+}
+
+// How many of the cells are bad, and how bad: each counts 1 and up to 1 more.
+double Mending::badness(const std::vector<std::uint32_t>& cells) const {
+  double sum = 0;
+  for (const BadCell& b : bad_cells_among(volume_.mesh, faces_, cells, limits_)) {
+    const double ratio = b.limit > 0 ? b.value / b.limit : 0;
+    sum += 2 - std::max(0.0, ratio > 1 ? 1 / ratio : ratio);
+  }
+  return sum;
 }
 
 std::vector<BadCell> Mending::judged_again(const std::vector<BadCell>& bad, const std::vector<std::uint32_t>& moved) const {

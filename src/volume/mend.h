@@ -1,4 +1,4 @@
-// Bad cells of a volume mesh, one after the other: one of a cell's points moves to where fewer cells around it are bad.
+// Bad cells of a volume mesh, one after the other: one of a cell's points moves to where cells around it are less bad.
 #pragma once
 
 #include <cstdint>
@@ -9,12 +9,12 @@
 
 namespace burnish {
 
-// [T-HEX-6] For a mesh in lattice units (its cells at the surface have side 2) whose points alone change. The same bits always: one thread.
+// [T-HEX-6] For a mesh in lattice units, its cells at the surface with side 2 `cell`, whose points alone change. The same bits always: one thread.
 class Mending {
  public:
   // All are kept by reference. `fixed`: per point, whether it has to stay.
-  Mending(VolumeMesh& volume, const PointCells& around, const CellFaces& faces, const std::vector<std::uint8_t>& fixed, const MeshQualityLimits& limits)
-      : volume_(volume), around_(around), faces_(faces), fixed_(fixed), limits_(limits) {}
+  Mending(VolumeMesh& volume, const PointCells& around, const CellFaces& faces, const std::vector<std::uint8_t>& fixed, const MeshQualityLimits& limits, double cell)
+      : volume_(volume), around_(around), faces_(faces), fixed_(fixed), limits_(limits), cell_(cell) {}
 
   // Moves points by up to a fifth of a cell, in at most `rounds` rounds; the cells that are bad in the end. 20 ms a bad tetrahedron and round.
   std::vector<BadCell> mend(std::vector<BadCell> bad, int rounds);
@@ -26,6 +26,7 @@ class Mending {
 
  private:
   bool mend_by(std::uint32_t point);
+  double badness(const std::vector<std::uint32_t>& cells) const;
   std::vector<std::uint32_t> cells_concerned(const std::vector<std::uint32_t>& points) const;
 
   VolumeMesh& volume_;
@@ -33,6 +34,7 @@ class Mending {
   const CellFaces& faces_;
   const std::vector<std::uint8_t>& fixed_;
   const MeshQualityLimits limits_;
+  const double cell_;
   std::uint64_t moves_ = 0;
 };
 

@@ -185,7 +185,7 @@ std::optional<BadCell> verdict(const Geometry& g, std::uint32_t cell, const Limi
       const double value = m.value[static_cast<std::size_t>(check)];
       if (std::isnan(value) || !fails(check, value, limits)) continue;
       first = check;
-      worst = BadCell{cell, kRows[static_cast<std::size_t>(check)].name, shown(check, value)};
+      worst = BadCell{cell, kRows[static_cast<std::size_t>(check)].name, shown(check, value), shown(check, limits[static_cast<std::size_t>(check)])};
     }
   };
   g.keep(cell, scratch);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "burnish/core/error.h"
@@ -17,7 +18,7 @@ constexpr double kLong = 0.24999, kShort = 0.41189;
 // Of pyramids on squares with moved corners: distance between the diagonals, least area of a corner and least height, in units of the side.
 constexpr double kFlat = 0.2, kSquare = 0.3, kHeight = 0.3;
 constexpr double kCube = 0.3;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
-constexpr double kCreaseReach = 1.2;  // lattice units: no node farther from the surface is near a crease
+constexpr double kCreaseReach = 1.2;  // half sides of a node's smallest cell: no node farther from the surface is near a crease
 constexpr std::size_t kCellsAtATime = 4096;
 
 using Tetrahedron = std::array<std::uint32_t, 4>;
@@ -33,6 +34,7 @@ class Stuffing {
 
   StuffedCells run() {
     place_nodes();
+    level_nodes();
     classify();
     if (crease_) move_to_creases();
     collect_cuts();
@@ -56,6 +58,16 @@ class Stuffing {
       sign_[i] = static_cast<std::int8_t>((phi_[i] > 0) - (phi_[i] < 0));
       result_.points[i] = {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
     });
+  }
+
+  // Of the smallest cell at each node.
+  void level_nodes() {
+    level_.assign(lattice_.nodes(), 0xff);
+    for (std::size_t cell = 0; cell < lattice_.cells(); ++cell) {
+      const auto level = static_cast<std::uint8_t>(lattice_.tree().level(cell));
+      level_[lattice_.centre(cell)] = level;
+      for (int c = 0; c < 8; ++c) level_[lattice_.corner(cell, c)] = std::min(level_[lattice_.corner(cell, c)], level);
+    }
   }
 
   bool has_positive(std::size_t cell) const {
@@ -129,8 +141,8 @@ class Stuffing {
   // [T-HEX-9]
   void move_to_creases() {
     parallel_for(sign_.size(), [&](std::size_t i) {
-      if (std::abs(phi_[i]) > kCreaseReach) return;
-      const std::optional<Vec3> target = crease_(result_.points[i]);
+      if (std::abs(phi_[i]) > kCreaseReach * (1 << level_[i])) return;
+      const std::optional<Vec3> target = crease_(result_.points[i], level_[i]);
       if (!target) return;
       result_.points[i] = *target;
       sign_[i] = 0;
@@ -207,7 +219,12 @@ class Stuffing {
 
   // As a part of the edge, from a.
   double cut_at(std::uint32_t a, std::uint32_t b) const { return phi_[a] / (phi_[a] - phi_[b]); }
-  double limit(std::uint32_t a, std::uint32_t b) const { return lattice_.is_centre(a) == lattice_.is_centre(b) ? kLong : kShort; }
+  // Measured by the smallest cell at the node: what a large cell can bear may turn a small one over. [T-HEX-3]
+  double limit(std::uint32_t a, std::uint32_t b) const {
+    const bool is_long = lattice_.is_centre(a) == lattice_.is_centre(b);
+    const double edge = (is_long ? 2 : std::numbers::sqrt3) * (1 << level_[a]);
+    return (is_long ? kLong : kShort) * std::min(1.0, edge / norm(original(b) - original(a)));
+  }
 
   // One node after the other: which goes first does not matter to the bounds.
   void warp() {
@@ -215,7 +232,7 @@ class Stuffing {
     for (const std::uint64_t cut : cuts_) {
       const auto a = static_cast<std::uint32_t>(cut >> 32), b = static_cast<std::uint32_t>(cut);
       if (cut_at(a, b) < limit(a, b)) ends.emplace_back(a, b);
-      else if (cut_at(b, a) < limit(a, b)) ends.emplace_back(b, a);
+      else if (cut_at(b, a) < limit(b, a)) ends.emplace_back(b, a);
     }
     parallel_sort(ends);
     for (std::size_t i = 0; i < ends.size();) {
@@ -389,6 +406,7 @@ class Stuffing {
   Progress& progress_;
   std::vector<double> phi_;
   std::vector<std::int8_t> sign_;
+  std::vector<std::uint8_t> level_;
   std::vector<CellKind> kind_;
   std::vector<std::uint64_t> cuts_;  // edges that the surface cuts, ascending
   StuffedCells result_;

@@ -36,8 +36,8 @@ using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
 class LayerGrowth {
  public:
-  LayerGrowth(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, Progress& progress)
-      : cells_(cells), volume_(mesh), mesh_(mesh.mesh), source_(source), layers_(layers), progress_(progress), inner_cells_(cells.cells.size()), points_cells_(mesh) {
+  LayerGrowth(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, double cell, Progress& progress)
+      : cells_(cells), volume_(mesh), mesh_(mesh.mesh), source_(source), layers_(layers), cell_(cell), progress_(progress), inner_cells_(cells.cells.size()), points_cells_(mesh) {
     for (std::uint32_t i = 0; i < on_wall.size(); ++i)
       if (on_wall[i]) faces_.push_back(static_cast<std::uint32_t>(mesh_.internal_faces()) + i);
     divide_column();
@@ -352,7 +352,7 @@ class LayerGrowth {
     std::vector<std::uint8_t> fixed(mesh.points.size(), 0);
     for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f)
       for (const std::uint32_t p : mesh.face(f)) fixed[p] = 1;
-    return Mending(grown_, around, faces, fixed, kLimits).mend(std::move(bad), kMendings);
+    return Mending(grown_, around, faces, fixed, kLimits, cell_).mend(std::move(bad), kMendings);
   }
 
   // [T-LAYER-3]
@@ -422,6 +422,7 @@ class LayerGrowth {
   PolyhedralMesh& mesh_;
   std::vector<std::uint32_t>& source_;
   const WallLayers& layers_;
+  const double cell_;
   Progress& progress_;
   const std::size_t inner_cells_;
   const PointCells points_cells_;
@@ -462,8 +463,8 @@ void LayerGrowth::report(int round, const std::vector<BadCell>& bad) {
 
 }  // namespace
 
-LayerCoverage grow_wall_layers(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, Progress& progress) {
-  return LayerGrowth(cells, mesh, source, on_wall, layers, progress).run();
+LayerCoverage grow_wall_layers(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, double cell, Progress& progress) {
+  return LayerGrowth(cells, mesh, source, on_wall, layers, cell, progress).run();
 }
 
 }  // namespace burnish

@@ -13,13 +13,13 @@
 
 namespace burnish {
 
-// The mesh of `cells.cells`, whose points on the wall are on the surface. All in lattice units, cells at the surface have side 2.
+// The mesh of `cells.cells`, whose points on the wall are on the surface. All in lattice units, the finest cells at the surface with side 2 `cell`.
 //
 // `mesh` is assembled from `cells`, with `source` as assemble() gives it, and fitted: its points' places count. `on_wall`: per boundary face. `layers.first` in lattice units.
 // Afterwards `cells` has the layers' cells behind those there were, and places of all points; `on_surface` tells those of the new wall. `mesh` and `source` are assembled anew.
 // What was told as areas and lengths is in lattice units. Same bits for any number of threads. Throws Error{interrupted}.
 //
 // [T-LAYER-1] Points on the wall get a direction, [T-LAYER-2] the mesh makes room, [T-LAYER-3] columns at bad cells get lower and vanish.
-LayerCoverage grow_wall_layers(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, Progress& progress);
+LayerCoverage grow_wall_layers(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, double cell, Progress& progress);
 
 }  // namespace burnish

@@ -58,6 +58,8 @@ struct FlowMeshJob {
   std::optional<std::uint64_t> cells;   // about so many cells
   std::vector<BoxWithCell> refinements;
   int coarsest_level = 4;
+  int flat_levels = 1;       // see FlowMeshOptions
+  double flat_angle = 45;
   int cells_between_levels = 2;
   LayersWanted layers;                  // at most kThickestLayers cells thick
   double crease_angle = kCreaseAngle;   // degrees; 180: no edge is one of the mesh

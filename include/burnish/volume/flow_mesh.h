@@ -37,11 +37,13 @@ struct WallLayers {
 };
 
 struct FlowMeshOptions {
-  double cell = 0;           // side of the cells at the surface, in the surface's units
+  double cell = 0;           // side of the finest cells, those at the surface where it is not flat; in the surface's units
   MeshSide side = MeshSide::inside;
   Box3 domain;               // outside: the flow domain, at least 4 cells larger than the surface's box on each side; its sides are met exactly [T-HEX-8]
   MeshFlavour flavour = MeshFlavour::conforming;
   int coarsest_level = 4;    // cells are at most 2^coarsest_level times as large as `cell`; outside also so that four fit between surface and domain
+  int flat_levels = 1;       // where the surface is flat its cells may be up to 2^flat_levels times as large
+  double flat_angle = 45;    // degrees: flat is where normals turn by less within one cell of that size around [T-HEX-10]
   int cells_between_levels = 2;  // at least 1: rows of cells of one size before the next larger one
   std::vector<MeshRefinement> refinements;
   double crease_angle = 40;  // degrees: edges of the surface that are to be edges of the mesh; 180: none

@@ -81,6 +81,7 @@ struct BadCell {
   std::uint32_t cell = 0;
   std::string_view check;  // the first one of the list that it fails, one that only warns too
   double value = 0;
+  double limit = 0;
 };
 // Cells that fail any check, ascending, each once.
 std::vector<BadCell> bad_cells(const PolyhedralMesh& mesh, const MeshQualityLimits& limits = {}, Progress& progress = no_progress());
