@@ -3,9 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
-#include <cstdio>
-#include <string>
+#include <span>
 #include <utility>
 
 #include "assemble.h"
@@ -28,8 +26,9 @@ constexpr double kLongest = 1.5;   // a column's length along its direction, in 
 constexpr double kLower = 0.6;     // what is left of a column at a bad cell
 constexpr double kLowest = 0.5;    // what is lower than this part of the thickness vanishes
 // After so many rounds points of bad cells are not relaxed any more; stay where they were without layers; columns beside those at bad cells get lower too; nothing more is tried.
-constexpr int kRelaxingRounds = 3, kMovingRounds = 16, kLoneRounds = 16, kRounds = 24;
+constexpr int kRelaxingRounds = 3, kMovingRounds = 10, kLoneRounds = 10, kRounds = 18;
 constexpr int kMendingFrom = 1, kMendings = 2;  // rounds
+constexpr std::size_t kMendable = 50, kMendablePart = 32;  // bad cells: so many, or one for so many columns
 constexpr MeshQualityLimits kLimits{.non_orthogonality = 70, .internal_skewness = 2, .boundary_skewness = 2};
 
 using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
@@ -56,9 +55,7 @@ class LayerGrowth {
     for (int round = 0; round < kRounds; ++round) {
       progress_.check();
       std::vector<BadCell> bad = bad_cells(grown_.mesh, kLimits, progress_);
-      report(round, bad);
-      if (round >= kMendingFrom) bad = mended(std::move(bad));
-      report(round, bad);
+      if (round >= kMendingFrom && bad.size() <= std::max(kMendable, wall_.size() / kMendablePart)) bad = mended(std::move(bad));
       if (bad.empty()) break;
       lower(bad, round);
       solve(kSweeps);
@@ -228,6 +225,7 @@ class LayerGrowth {
 
   // [T-LAYER-2] Jacobi's sweeps from where the last solution was.
   void solve(int sweeps) {
+    settle();
     for (std::size_t c = 0; c < wall_.size(); ++c) move_[wall_[c]] = direction_[c] * (thickness_ * part_[c]);
     std::vector<Vec3> next(free_.size());
     for (int sweep = 0; sweep < sweeps; ++sweep) {
@@ -243,6 +241,16 @@ class LayerGrowth {
 
   bool live(std::uint32_t p) const { return part_[column_[p]] > 0; }
 
+  // Of the neighbours of a corner without a column one loses its own, too: along the same axis everywhere, so that what is lost are rows and not areas.
+  void drop_beside(std::span<const std::uint32_t> face, std::size_t corner) {
+    const auto along = [&](std::uint32_t p) {
+      const Vec3 d = start_[p] - start_[face[corner]];
+      return (std::abs(d.x) + 0.5 * std::abs(d.y)) / std::max(norm(d), 1e-300);
+    };
+    const std::uint32_t next = face[(corner + 1) % 4], before = face[(corner + 3) % 4];
+    part_[column_[along(next) > along(before) ? next : before]] = 0;
+  }
+
   // A quadrilateral's columns all stand, or two neighbours, or none.
   bool settle(std::uint32_t f) {
     const auto face = mesh_.face(f);
@@ -254,10 +262,8 @@ class LayerGrowth {
     if (n == 0 || (face.size() == 4 && n == 4)) return false;
     if (face.size() == 4 && n == 2 && (standing[1] - standing[0]) % 2 == 1) return false;
     if (face.size() == 4 && n == 3) {
-      // Of the three the one in the middle keeps a neighbour.
       for (std::size_t k = 0; k < 4; ++k)
-        if (!live(face[k])) part_[column_[face[(k + 1) % 4]]] = 0;
-      return true;
+        if (!live(face[k])) return drop_beside(face, k), true;
     }
     for (const std::size_t k : standing) part_[column_[face[k]]] = 0;
     return true;
@@ -291,7 +297,6 @@ class LayerGrowth {
   }
 
   void build() {
-    settle();
     place_points();
     CellList& list = cells_.cells;
     list.shape.resize(inner_cells_), list.first.resize(inner_cells_ + 1), list.corners.resize(list.first.back());
@@ -384,8 +389,6 @@ class LayerGrowth {
         for (const std::uint32_t p : mesh_.face(f)) columns.push_back(column_[p]);
   }
 
-  void report(int round, const std::vector<BadCell>& bad);
-
   void finish() {
     measure();
     cells_.on_surface.resize(cells_.points.size(), 0);
@@ -452,14 +455,6 @@ class LayerGrowth {
   std::vector<std::uint32_t> grown_source_;
   LayerCoverage result_;
 };
-
-void LayerGrowth::report(int round, const std::vector<BadCell>& bad) {
-  std::size_t inner = 0, standing = 0;
-  for (const auto& b : bad) inner += b.cell < inner_cells_;
-  for (const double p : part_) standing += p > 0;
-  std::fprintf(stderr, "round %d bad %zu inner %zu standing %zu of %zu\n", round, bad.size(), inner, standing, part_.size());
-  if (round % 4 == 0) { std::map<std::pair<std::string, int>, int> n; for (auto& b : bad) ++n[{std::string(b.check), int(grown_.shape[b.cell]) + 10 * (b.cell >= inner_cells_)}]; for (auto& [k, v] : n) std::fprintf(stderr, "   %s %d: %d\n", k.first.c_str(), k.second, v); }
-}
 
 }  // namespace
 
