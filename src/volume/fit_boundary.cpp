@@ -173,7 +173,7 @@ class Fitting {
     Mending mending(volume_, around_, faces, at_end_, kLimits, cell_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
-    std::vector<BadCell> bad = bad_cells(mesh_, kLimits, progress_);
+    std::vector<BadCell> bad = without_split_ones(volume_, bad_cells(mesh_, kLimits, progress_));
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
       const std::vector<std::uint32_t> points = culprits(faces, bad, round);
       for (const std::uint32_t p : points) {

@@ -7,9 +7,20 @@
 #include "burnish/octree/octree.h"
 
 namespace burnish {
+namespace {
+
+constexpr std::size_t kMostMended = 256;  // bad cells at a time: a mesh with more is beyond mending
+
+}  // namespace
+
+std::vector<BadCell> without_split_ones(const VolumeMesh& mesh, std::vector<BadCell> bad) {
+  std::erase_if(bad, [&](const BadCell& b) { return mesh.shape[b.cell] == CellShape::polyhedron && b.check == "concave cells"; });
+  return bad;
+}
 
 std::vector<BadCell> Mending::mend(std::vector<BadCell> bad, int rounds) {
   for (int round = 0; round < rounds && !bad.empty(); ++round) {
+    if (bad.size() > kMostMended) bad.resize(kMostMended);
     for (const BadCell& b : bad)
       for (const std::uint32_t p : volume_.cell(b.cell))
         if (!fixed_[p] && mend_by(p)) break;
@@ -45,7 +56,7 @@ bool Mending::mend_by(std::uint32_t p) {
 // How many of the cells are bad, and how bad: each counts 1 and up to 1 more.
 double Mending::badness(const std::vector<std::uint32_t>& cells) const {
   double sum = 0;
-  for (const BadCell& b : bad_cells_among(volume_.mesh, faces_, cells, limits_)) {
+  for (const BadCell& b : without_split_ones(volume_, bad_cells_among(volume_.mesh, faces_, cells, limits_))) {
     const double ratio = b.limit > 0 ? b.value / b.limit : 0;
     sum += 2 - std::max(0.0, ratio > 1 ? 1 / ratio : ratio);
   }
@@ -57,7 +68,7 @@ std::vector<BadCell> Mending::judged_again(const std::vector<BadCell>& bad, cons
   for (const BadCell& b : bad) cells.push_back(b.cell);
   std::sort(cells.begin(), cells.end());
   cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-  return bad_cells_among(volume_.mesh, faces_, cells, limits_);
+  return without_split_ones(volume_, bad_cells_among(volume_.mesh, faces_, cells, limits_));
 }
 
 // The cells at these points, and across their faces; ascending.

@@ -9,6 +9,9 @@
 
 namespace burnish {
 
+// Polyhedra with faces in one plane count as concave, wherever their points are: without these.
+std::vector<BadCell> without_split_ones(const VolumeMesh& mesh, std::vector<BadCell> bad);
+
 // [T-HEX-6] For a mesh in lattice units, its cells at the surface with side 2 `cell`, whose points alone change. The same bits always: one thread.
 class Mending {
  public:

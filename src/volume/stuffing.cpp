@@ -19,6 +19,7 @@ constexpr double kLong = 0.24999, kShort = 0.41189;
 constexpr double kFlat = 0.2, kSquare = 0.3, kHeight = 0.3;
 constexpr double kCube = 0.3;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
 constexpr double kCreaseReach = 1.2;  // half sides of a node's smallest cell: no node farther from the surface is near a crease
+constexpr double kLarger = 1.5;  // of the smallest cell at a node that has larger ones too: the edge that it may move along
 constexpr std::size_t kCellsAtATime = 4096;
 
 using Tetrahedron = std::array<std::uint32_t, 4>;
@@ -65,7 +66,7 @@ class Stuffing {
     level_.assign(lattice_.nodes(), 0xff);
     for (std::size_t cell = 0; cell < lattice_.cells(); ++cell) {
       const auto level = static_cast<std::uint8_t>(lattice_.tree().level(cell));
-      level_[lattice_.centre(cell)] = level;
+      level_[lattice_.centre(cell)] = static_cast<std::uint8_t>(level - lattice_.hangs(cell));  // its neighbours' cells end there
       for (int c = 0; c < 8; ++c) level_[lattice_.corner(cell, c)] = std::min(level_[lattice_.corner(cell, c)], level);
     }
   }
@@ -222,7 +223,7 @@ class Stuffing {
   // Measured by the smallest cell at the node: what a large cell can bear may turn a small one over. [T-HEX-3]
   double limit(std::uint32_t a, std::uint32_t b) const {
     const bool is_long = lattice_.is_centre(a) == lattice_.is_centre(b);
-    const double edge = (is_long ? 2 : std::numbers::sqrt3) * (1 << level_[a]);
+    const double edge = kLarger * (is_long ? 2 : std::numbers::sqrt3) * (1 << level_[a]);
     return (is_long ? kLong : kShort) * std::min(1.0, edge / norm(original(b) - original(a)));
   }
 

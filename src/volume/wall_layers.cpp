@@ -54,7 +54,7 @@ class LayerGrowth {
     build();
     for (int round = 0; round < kRounds; ++round) {
       progress_.check();
-      std::vector<BadCell> bad = bad_cells(grown_.mesh, kLimits, progress_);
+      std::vector<BadCell> bad = judged();
       if (round >= kMendingFrom && bad.size() <= std::max(kMendable, wall_.size() / kMendablePart)) bad = mended(std::move(bad));
       if (bad.empty()) break;
       lower(bad, round);
@@ -349,7 +349,9 @@ class LayerGrowth {
       if (root_[p] != kNone) columns.push_back(root_[p]);
   }
 
-  // By moving points that are not on the boundary.
+  std::vector<BadCell> judged() const { return without_split_ones(grown_, bad_cells(grown_.mesh, kLimits, progress_)); }
+
+  // By moving points that are not on the boundary. (Of very many bad cells only some are looked at.)
   std::vector<BadCell> mended(std::vector<BadCell> bad) {
     const PolyhedralMesh& mesh = grown_.mesh;
     const PointCells around(grown_);
@@ -357,7 +359,8 @@ class LayerGrowth {
     std::vector<std::uint8_t> fixed(mesh.points.size(), 0);
     for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f)
       for (const std::uint32_t p : mesh.face(f)) fixed[p] = 1;
-    return Mending(grown_, around, faces, fixed, kLimits, cell_).mend(std::move(bad), kMendings);
+    bad = Mending(grown_, around, faces, fixed, kLimits, cell_).mend(std::move(bad), kMendings);
+    return bad.empty() ? judged() : bad;
   }
 
   // [T-LAYER-3]
