@@ -120,6 +120,10 @@ class MeshCommand : public Command {
         {"--flavour", 0, "F", "Cells", "'conforming' (default): any solver reads it; 'polyhedral': fewer cells, hexahedra with split faces, for OpenFOAM and VTK.",
          [this](const GivenValue& v) { job_.flavour = one_of<MeshFlavour>(v, {"conforming", "polyhedral"}); }},
         {"--crease", 0, "ANGLE", "Cells", "Edges of more than ANGLE degrees are edges of the mesh; 40 when not given, none with 180.", [this](const GivenValue& v) { set_crease_angle(v); }},
+        {"--layers", 0, "N", "Layers", "N layers of flat cells at the wall (1 to 20).", [this](const GivenValue& v) { job_.layers.count = static_cast<int>(integer_within(v, 1, 20)); }},
+        {"--first", 0, "H", "Layers", "Height of the cells at the wall, such as 0.01, 0.05% or 0.1h (h: --cell). When not given, all layers together are half a cell thick.",
+         [this](const GivenValue& v) { job_.layers.first = positive_length(v), of_layers_ = v.name; }},
+        {"--ratio", 0, "R", "Layers", "Each layer is R times as high as the one before it (1 to 2; default 1.2).", [this](const GivenValue& v) { set_layer_ratio(v); }},
         {"--patches", 0, "P", "Patches", "'solid' (default): one for each solid or group of the file; 'one' for all.",
          [this](const GivenValue& v) { job_.one_patch = place_among(v, {"solid", "one"}) == 1; }},
         {"--patch-type", 0, "NAME=T,...", "Patches", "Types of patches: wall, patch or symmetry. The model's are walls, the domain's are patches.", [this](const GivenValue& v) { set_patch_types(v); }},
@@ -169,6 +173,12 @@ class MeshCommand : public Command {
     crease_given_ = true;
   }
 
+  void set_layer_ratio(const GivenValue& v) {
+    job_.layers.ratio = positive_number(v);
+    if (job_.layers.ratio < 1 || job_.layers.ratio > 2) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a ratio from 1 to 2", v.name, v.text));
+    of_layers_ = v.name;
+  }
+
   void set_patch_types(const GivenValue& v) {
     for (const auto& [name, type] : named_values(v, "inlet=patch,hub=wall")) {
       static_cast<void>(place_among({v.name, type}, {"wall", "patch", "symmetry"}));
@@ -183,6 +193,7 @@ class MeshCommand : public Command {
     if (job_.cell && job_.cells) refuse("--cell and --cells exclude each other", "give one of the two");
     if (inside_ && job_.side == MeshSide::outside) refuse("--inside and --outside exclude each other", "mesh one side after the other");
     if (domain_given_ && job_.side == MeshSide::inside) refuse("--domain is the box around the model", "add --outside");
+    if (!of_layers_.empty() && job_.layers.count == 0) refuse(fmt::format("{} is for layers", of_layers_), "add --layers N");
     // The angle is that of smoothing, too, which keeps what is to be an edge of the mesh.
     if (crease_given_ && job_.options.smooths() && job_.crease_angle < 180) job_.options.crease_angle = job_.crease_angle;
     burnish::require_consistent(job_.options);
@@ -214,6 +225,7 @@ class MeshCommand : public Command {
 
   FlowMeshJob job_;
   std::string report_path_, quality_path_;
+  std::string of_layers_;     // an option of layers, if one was given
   std::string_view of_case_;  // an option of that sort, if one was given
   int threads_ = 0;
   bool inside_ = false, dry_run_ = false, domain_given_ = false, crease_given_ = false, msh_version_given_ = false;

@@ -43,6 +43,9 @@ std::string mesh_lines(const FlowMeshResult& r) {
   if (r.cells_wanted) cell += fmt::format("; {} meshes for {} cells", r.trials.size(), *r.cells_wanted);
   std::string text = line("mesh", fmt::format("{}, {}, in {}", name(r.side), name(r.flavour), text_of(r.box))) + line("  cell", cell) +
                      line("  cells", fmt::format("{}, {} points, {} faces", q.cells, q.points, q.faces)) + shape_lines(q) + level_line(r);
+  if (const MeshedLayers& l = r.layers; l.count > 0)
+    text += line("  layers", fmt::format("{}, {:.4g} thick together, on {} of the wall's area; first {:.4g} to {:.4g} high ({:.4g} asked for)", l.count, l.thickness, percent(100 * l.covered), l.least_first,
+                                         l.greatest_first, l.first));
   text += line("  cell volumes", fmt::format("{:.4g} to {:.4g}", r.smallest_cell, r.largest_cell));
   text += line("  volume", fmt::format("{:.8g} of {:.8g} ({})", q.volume, r.volume_wanted, percent(100 * (q.volume / r.volume_wanted - 1), true)));
   text += line("  regions", q.regions == r.regions_wanted ? fmt::format("{}", q.regions) : fmt::format("{}, and {} were wanted", q.regions, r.regions_wanted));

@@ -22,6 +22,15 @@ constexpr double kCellsAcross = 4;        // of a wall's thickness, that a mesh 
 constexpr double kBytesPerCell = 1000;    // of a mesh while it is made
 constexpr double kGigabyte = 0x1p30;
 
+constexpr double kDefaultThickness = 0.5; // of layers, in cells
+
+// 1 + ratio + ratio^2 ..., `count` of them.
+double sum_of_heights(int count, double ratio) {
+  double sum = 0, height = 1;
+  for (int k = 0; k < count; ++k) sum += height, height *= ratio;
+  return sum;
+}
+
 std::string text_of(const Box3& b) {
   return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z);
 }
@@ -141,6 +150,24 @@ class FlowMeshRun {
                     "give a --domain that is larger on all sides, or leave it out");
   }
 
+  WallLayers layers(double cell) const {
+    const LayersWanted& wanted = job_.layers;
+    const double whole = sum_of_heights(wanted.count, wanted.ratio);
+    return {wanted.count, wanted.first ? length(*wanted.first, cell) : kDefaultThickness * cell / std::max(1.0, whole), wanted.ratio};
+  }
+
+  // What was asked for; refuses what no mesh can make room for, warns of cells that checkMesh will not have.
+  void tell_layers_wanted(double cell) {
+    const WallLayers wanted = layers(cell);
+    if (wanted.count == 0) return;
+    const double thickness = wanted.first * sum_of_heights(wanted.count, wanted.ratio);
+    if (thickness > kThickestLayers * cell)
+      throw Error(ErrorCode::usage, fmt::format("the layers are {:.3g} cells thick together; at most {} have room", thickness / cell, kThickestLayers), "give fewer --layers or a smaller --first, or a larger --cell");
+    result_.layers = {wanted.count, wanted.first, wanted.ratio, thickness, 0, 0, 0};
+    if (wanted.first < kFlattestLayer * cell && !job_.cells)
+      result_.warnings.push_back(fmt::format("layers of {:.2g} cells height: checkMesh -allGeometry takes cells flatter than {} for badly shaped; they will be missing in places", wanted.first / cell, kFlattestLayer));
+  }
+
   FlowMeshOptions mesh_options(double cell) const {
     FlowMeshOptions options;
     options.cell = cell;
@@ -151,6 +178,7 @@ class FlowMeshRun {
     options.flat_angle = job_.flat_angle;
     options.cells_between_levels = job_.cells_between_levels;
     options.crease_angle = job_.crease_angle;
+    options.layers = layers(cell);
     options.memory_bytes = job_.options.memory_bytes;
     if (job_.side == MeshSide::outside) options.domain = domain();
     for (const BoxWithCell& r : job_.refinements) options.refinements.push_back({r.box, length(r.cell, cell)});
@@ -202,6 +230,7 @@ class FlowMeshRun {
     result_.cell = cell;
     result_.cells_along_longest_side = result_.solid.box.longest_side() / cell;
     require_domain_holds_solid(domain(), cell);
+    tell_layers_wanted(cell);
     begin("meshing");
     const double start = process_cpu_seconds();
     try {

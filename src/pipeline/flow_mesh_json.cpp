@@ -70,6 +70,11 @@ Json trials_of(const std::vector<MeshTrial>& trials) {
   return list;
 }
 
+Json layers_of(const MeshedLayers& l) {
+  if (l.count == 0) return nullptr;
+  return {{"count", l.count}, {"first", l.first}, {"ratio", l.ratio}, {"thickness", l.thickness}, {"covered", l.covered}, {"least_first", l.least_first}, {"greatest_first", l.greatest_first}};
+}
+
 Json mesh_of(const FlowMeshResult& r) {
   if (!r.meshed) return nullptr;
   const MeshQuality& q = r.quality;
@@ -92,6 +97,7 @@ Json mesh_of(const FlowMeshResult& r) {
           {"smallest_cell", r.smallest_cell},
           {"largest_cell", r.largest_cell},
           {"regions_wanted", r.regions_wanted},
+          {"layers", layers_of(r.layers)},
           {"moved_back", r.moved_back},
           {"patches", patches_of(r.patches)},
           {"surface_to_patches", json_of(r.surface_to_patches)},

@@ -92,6 +92,9 @@ void tell_mesh(const FlowMesh& flow, const SurfacePatches& patches, const Box3& 
   result.meshed = true;
   result.cells_of_level = flow.cells_of_level;
   result.moved_back = flow.moved_back;
+  const LayerCoverage& layers = flow.layers;
+  result.layers.covered = layers.wall_area > 0 ? layers.covered_area / layers.wall_area : 0;
+  result.layers.least_first = layers.least_first, result.layers.greatest_first = layers.greatest_first;
   result.warnings.insert(result.warnings.end(), flow.notes.begin(), flow.notes.end());
   tell_sizes(mesh, result);
   for (const MeshPatch& patch : mesh.patches) result.patches.push_back(told_patch(mesh, patch, patches));

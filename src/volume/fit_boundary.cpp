@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "burnish/core/parallel.h"
-#include "burnish/octree/octree.h"
 #include "burnish/volume/mesh_quality.h"
+#include "mend.h"
 #include "relax.h"
 
 namespace burnish {
@@ -20,7 +20,6 @@ constexpr double kReach = 2;          // how far a point may go to the surface
 constexpr double kCornerReach = 1.6;  // to a corner of the creases
 constexpr double kConnected = 3;      // the ball in which a path around a crease counts
 constexpr int kMendings = 6;
-constexpr std::size_t kMostMended = 256;  // bad cells at a time: a mesh with more is beyond mending
 constexpr int kSweeps = 3, kRings = 2;  // of relaxing
 constexpr int kSteps = 4;    // in which a point goes back
 constexpr int kRounds = 24;  // of moving back, in the last one all the way
@@ -171,9 +170,10 @@ class Fitting {
 
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
+    Mending mending(volume_, around_, faces, at_end_, kLimits, cell_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
-    std::vector<BadCell> bad = without_split_ones(bad_cells(mesh_, kLimits, progress_));
+    std::vector<BadCell> bad = without_split_ones(volume_, bad_cells(mesh_, kLimits, progress_));
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
       const std::vector<std::uint32_t> points = culprits(faces, bad, round);
       for (const std::uint32_t p : points) {
@@ -181,88 +181,12 @@ class Fitting {
         const double part = steps[p] >= kSteps || round + 2 >= kRounds ? 0 : 1 - static_cast<double>(steps[p]) / kSteps;
         mesh_.points[p] = start_[p] + (wanted[p] - start_[p]) * part;
       }
-      bad = judged_again(faces, bad, points);
+      bad = mending.judged_again(bad, points);
     }
-    mend(faces, std::move(bad));
+    // What is bad without any point having moved.
+    mending.mend(std::move(bad), kMendings);
+    result_.mended = mending.moves();
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
-  }
-
-  // What is bad without any point having moved: one of its points, tried one after the other, goes where fewer cells around are bad; those at the domain's sides stay.
-  void mend(const CellFaces& faces, std::vector<BadCell> bad) {
-    for (int round = 0; round < kMendings && !bad.empty(); ++round) {
-      if (bad.size() > kMostMended) bad.resize(kMostMended);
-      for (const BadCell& b : bad)
-        for (const std::uint32_t p : volume_.cell(b.cell))
-          if (!is_at_end(p) && mend_by(faces, p)) break;
-      std::vector<std::uint32_t> again;
-      for (const BadCell& b : bad)
-        for (const std::uint32_t p : volume_.cell(b.cell)) again.push_back(p);
-      bad = judged_again(faces, bad, again);
-    }
-  }
-
-  // True if no cell that the point concerns is bad any more.
-  bool mend_by(const CellFaces& faces, std::uint32_t p) {
-    const std::vector<std::uint32_t> concerned = cells_concerned(faces, {p});
-    const Vec3 start = mesh_.points[p];
-    Vec3 best = start;
-    double least = badness(faces, concerned);
-    for (const double step : {0.1, 0.2, 0.4})
-      for (int d = 0; d < kDirections && least > 0; ++d) {
-        if (d == kSelf) continue;
-        const std::array<int, 3> o = offset_of(d);
-        const Vec3 direction{static_cast<double>(o[0]), static_cast<double>(o[1]), static_cast<double>(o[2])};
-        mesh_.points[p] = start + direction * (step * cell_ / norm(direction));
-        const double now = badness(faces, concerned);
-        if (now < least) least = now, best = mesh_.points[p];
-      }
-    mesh_.points[p] = best;
-    result_.mended += !(best == start);
-    return least == 0;
-  }
-
-  std::vector<BadCell> bad_among(const CellFaces& faces, const std::vector<std::uint32_t>& cells) const {
-    return without_split_ones(bad_cells_among(mesh_, faces, cells, kLimits));
-  }
-  // Polyhedra with faces in one plane count as concave, wherever their points are.
-  std::vector<BadCell> without_split_ones(std::vector<BadCell> bad) const {
-    std::erase_if(bad, [&](const BadCell& b) { return volume_.shape[b.cell] == CellShape::polyhedron && b.check == "concave cells"; });
-    return bad;
-  }
-
-  // How many of the cells are bad, and how bad: each counts 1 and up to 1 more.
-  double badness(const CellFaces& faces, const std::vector<std::uint32_t>& cells) const {
-    double sum = 0;
-    for (const BadCell& b : bad_among(faces, cells)) {
-      const double ratio = b.limit > 0 ? b.value / b.limit : 0;
-      sum += 2 - std::max(0.0, ratio > 1 ? 1 / ratio : ratio);
-    }
-    return sum;
-  }
-
-  bool is_at_end(std::uint32_t p) const { return at_end_[p] != 0; }
-
-  // The bad cells once these points have moved.
-  std::vector<BadCell> judged_again(const CellFaces& faces, const std::vector<BadCell>& bad, const std::vector<std::uint32_t>& moved) const {
-    std::vector<std::uint32_t> cells = cells_concerned(faces, moved);
-    for (const BadCell& b : bad) cells.push_back(b.cell);
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return bad_among(faces, cells);
-  }
-
-  // The cells at these points, and across their faces; ascending.
-  std::vector<std::uint32_t> cells_concerned(const CellFaces& faces, const std::vector<std::uint32_t>& points) const {
-    std::vector<std::uint32_t> cells;
-    for (const std::uint32_t p : points)
-      for (const std::uint32_t c : around_[p])
-        for (const std::uint32_t f : faces[c]) {
-          cells.push_back(mesh_.owner[f]);
-          if (f < mesh_.internal_faces()) cells.push_back(mesh_.neighbour[f]);
-        }
-    std::sort(cells.begin(), cells.end());
-    cells.erase(std::unique(cells.begin(), cells.end()), cells.end());
-    return cells;
   }
 
   // Of each bad cell the point that has moved farthest; in later rounds all of them, then those of the neighbours too.

@@ -19,6 +19,7 @@
 #include "cell_lattice.h"
 #include "fit_boundary.h"
 #include "stuffing.h"
+#include "wall_layers.h"
 
 namespace burnish {
 namespace {
@@ -70,6 +71,7 @@ class FlowMesher {
     leave_out_crumbs();
     progress_.begin_stage("boundary");
     fit();
+    if (options_.layers.count > 0) grow_layers();
     name_patches();
     to_model();
     return std::move(result_);
@@ -180,7 +182,7 @@ class FlowMesher {
     };
   }
 
-  void fit() {
+  void mark_wall() {
     const PolyhedralMesh& mesh = result_.mesh.mesh;
     const std::size_t internal = mesh.internal_faces();
     on_wall_.assign(mesh.faces() - internal, 0);
@@ -189,9 +191,23 @@ class FlowMesher {
       if (!std::all_of(face.begin(), face.end(), [&](std::uint32_t p) { return stuffed_.on_surface[source_[p]] != 0; })) continue;
       on_wall_[f - internal] = 1;
     }
+  }
+
+  void fit() {
+    mark_wall();
     const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, surface_cell(), progress_);
     result_.moved_back = told.moved_back;
     result_.crease_points = told.crease_points + told.corners;
+  }
+
+  void grow_layers() {
+    progress_.begin_stage("layers");
+    const double cell = result_.frame.cell;
+    WallLayers layers = options_.layers;
+    layers.first /= cell;
+    LayerCoverage& told = result_.layers = grow_wall_layers(stuffed_, result_.mesh, source_, on_wall_, layers, surface_cell(), progress_);
+    told = {told.wall_area * cell * cell, told.covered_area * cell * cell, told.least_first * cell, told.greatest_first * cell};
+    mark_wall();
   }
 
   void name_patches() {

@@ -50,6 +50,18 @@ def a_cube_is_filled(box):
 
 
 @scenario("mesh")
+def layers_stand_on_the_wall(box):
+    result = mesh(box, "cube.stl", "-o", "case", "--outside", "--domain", "1", "--layers", "2", "--first", "0.15h", *COARSE)
+    layers = result["mesh"]["layers"]
+    expect(layers["count"] == 2 and layers["ratio"] == 1.2 and abs(layers["first"] - 0.15 * 0.125) < 1e-12, f"{layers}")
+    expect(0 <= layers["covered"] <= 1 and layers["greatest_first"] < 1.5 * layers["first"], f"{layers}")
+    expect(result["quality"]["ok"], "quality")
+    expect(mesh(box, "cube.stl", "--dry-run", *COARSE)["mesh"]["layers"] is None, "layers nobody asked for")
+    mesh(box, "cube.stl", "--dry-run", "--first", "0.1h", *COARSE, code=2)
+    mesh(box, "cube.stl", "--dry-run", "--layers", "5", "--first", "1h", *COARSE, code=2)
+
+
+@scenario("mesh")
 def outside_is_the_rest_of_the_domain(box):
     result = mesh(box, "cube.stl", "--outside", "--domain", "-1,-1,-1,2,2,2", "-o", "x.vtu", *COARSE)
     m = result["mesh"]

@@ -26,6 +26,9 @@ std::string_view name(MeshFlavour flavour);  // "conforming", "polyhedral"
 // Of the cells at the surface where neither a cell nor a number of cells is asked for: the longest side over this.
 inline constexpr double kMeshCellsAlongLongestSide = 100;
 
+// How thick layers may be together, in cells at the surface; and how flat a cell can be that passes checkMesh.
+inline constexpr double kThickestLayers = 1.5, kFlattestLayer = 0.035;
+
 // What is meshed outside of the model.
 struct MeshDomain {
   std::optional<Box3> box;       // this, or
@@ -35,6 +38,13 @@ struct MeshDomain {
 struct BoxWithCell {
   Box3 box;
   Length cell;
+};
+
+// Layers of flat cells at the wall.
+struct LayersWanted {
+  int count = 0;                // 0: none
+  std::optional<Length> first;  // height of the cells at the wall; else such that all layers together are half a cell thick
+  double ratio = 1.2;           // of the heights of a layer and the one before it
 };
 
 // Lengths are in the units of the model's file, whatever `scale` is.
@@ -51,6 +61,7 @@ struct FlowMeshJob {
   int flat_levels = 1;       // see FlowMeshOptions
   double flat_angle = 45;
   int cells_between_levels = 2;
+  LayersWanted layers;                  // at most kThickestLayers cells thick
   double crease_angle = kCreaseAngle;   // degrees; 180: no edge is one of the mesh
   bool one_patch = false;               // else one patch for each group of the file (solid of an STL)
   std::vector<std::pair<std::string, std::string>> patch_types;  // of patches, by their names in the mesh
@@ -96,6 +107,13 @@ struct MeshedSolid {
   double cell = 0;          // of the level set; 0: none was needed
 };
 
+struct MeshedLayers {
+  int count = 0;                                // 0: none were asked for
+  double first = 0, ratio = 0, thickness = 0;   // as asked for
+  double covered = 0;                           // share of the wall's area with all layers
+  double least_first = 0, greatest_first = 0;   // height of the first cells there
+};
+
 struct MeshCost {
   double seconds = 0;       // CPU time of meshing itself, without trials, repair and measuring
   double cells_per_second = 0;
@@ -122,6 +140,7 @@ struct FlowMeshResult {
   std::vector<std::uint64_t> cells_of_level;  // finest first
   std::uint64_t moved_back = 0;           // boundary points that quality kept from their place on the surface
   double smallest_cell = 0, largest_cell = 0;  // volumes
+  MeshedLayers layers;
   std::vector<MeshedPatch> patches;
   MeshQuality quality;
   bool good = false;                      // what is promised holds: the full check of a conforming mesh, the plain one of a polyhedral one

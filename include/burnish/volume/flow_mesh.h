@@ -29,6 +29,13 @@ struct MeshRefinement {
   double cell = 0;  // the longest side of cells that meet the box
 };
 
+// Layers of flat cells at the wall: heights first, first * ratio, first * ratio^2 ... from the wall inwards.
+struct WallLayers {
+  int count = 0;       // 0: none
+  double first = 0;    // in the surface's units
+  double ratio = 1.2;
+};
+
 struct FlowMeshOptions {
   double cell = 0;           // side of the finest cells, those at the surface where it is not flat; in the surface's units
   MeshSide side = MeshSide::inside;
@@ -40,7 +47,14 @@ struct FlowMeshOptions {
   int cells_between_levels = 2;  // at least 1: rows of cells of one size before the next larger one
   std::vector<MeshRefinement> refinements;
   double crease_angle = 40;  // degrees: edges of the surface that are to be edges of the mesh; 180: none
+  WallLayers layers;
   std::uint64_t memory_bytes = ~std::uint64_t{0};
+};
+
+// Where the layers are. Columns of points that would make a cell bad are lower than asked for, down to 0.3 of it, or are not there.
+struct LayerCoverage {
+  double wall_area = 0, covered_area = 0;       // covered: faces of the wall that have all layers
+  double least_first = 0, greatest_first = 0;   // height of the first cells there
 };
 
 // What the mesh is, next to its quality (volume/mesh_quality.h).
@@ -50,6 +64,7 @@ struct FlowMesh {
   std::vector<std::uint64_t> cells_of_level;
   std::uint64_t crease_points = 0;       // boundary points on creases and corners of the surface
   std::uint64_t moved_back = 0;          // boundary points that quality kept from their place on the surface
+  LayerCoverage layers;                  // in the surface's units
   std::vector<std::string> notes;        // what a user should know
 };
 
