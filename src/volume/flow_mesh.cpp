@@ -235,7 +235,7 @@ class FlowMesher {
   // The side of the domain that a face lies on.
   std::uint32_t side_of(std::size_t face) const {
     const Vec3 m = face_middle(result_.mesh.mesh, face);
-    for (int a = 0; a < 3; ++a) {
+    for (int a = 0; outside() && a < 3; ++a) {
       if (m[a] == 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)])) return static_cast<std::uint32_t>(2 * a);
       if (m[a] == 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)])) return static_cast<std::uint32_t>(2 * a + 1);
     }
