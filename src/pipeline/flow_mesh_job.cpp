@@ -17,6 +17,7 @@
 namespace burnish {
 namespace {
 
+constexpr double kSmallestGuess = 1.0 / 16;  // of the first guess at a cell, before it is given up
 constexpr double kRepairCell = 0.5;       // of a level set, in cells of the mesh
 constexpr double kCellsAcross = 4;        // of a wall's thickness, that a mesh shows well
 constexpr double kBytesPerCell = 1000;    // of a mesh while it is made
@@ -209,10 +210,18 @@ class FlowMeshRun {
     require_memory_for_number();
     CellChooser chooser(*job_.cells, result_.solid.area);
     result_.cell_was_chosen = true;
+    double smaller = 1;
     while (const std::optional<double> cell = chooser.next()) {
       flow_ = {};
-      if (!mesh(*cell)) return false;
-      chooser.learn(*cell, flow_.mesh.cells());
+      if (mesh(*cell * smaller)) {
+        chooser.learn(*cell * smaller, flow_.mesh.cells());
+        smaller = 1;
+        continue;
+      }
+      // The first guess knows the surface's area alone: a plate may be thinner than such a cell.
+      if (!chooser.trials().empty() || smaller < kSmallestGuess) return false;
+      result_.failure.reset();
+      smaller /= 2;
     }
     result_.trials = chooser.trials();
     return true;
@@ -237,7 +246,7 @@ class FlowMeshRun {
       flow_ = flow_mesh(surface_, patches_.of_facet, patches_.names, mesh_options(cell), progress_);
     } catch (const Error& error) {
       if (error.code() != ErrorCode::guarantee_unmet) throw;
-      result_.failure = Error(error.code(), error.what(), error.hint().empty() ? way_out_of_large_cell() : error.hint());
+      result_.failure = Error(error.code(), error.what(), way_out_of_large_cell());
       return false;
     }
     result_.cost.seconds = process_cpu_seconds() - start;

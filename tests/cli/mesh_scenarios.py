@@ -173,7 +173,7 @@ def reports_are_one(box):
 
 @scenario("mesh")
 def an_interrupt_leaves_nothing(box):
-    process = box.popen(["mesh", "crossing.stl", "-o", "case", "--cell", "0.004", "-q"])
+    process = box.popen(["mesh", "crossing.stl", "-o", "case", "--cell", "0.008", "-q"])
     time.sleep(1.0)
     if process.poll() is None:
         process.terminate()
