@@ -219,12 +219,20 @@ class FlowMeshRun {
         continue;
       }
       // The first guess knows the surface's area alone: a plate may be thinner than such a cell.
-      if (!chooser.trials().empty() || smaller < kSmallestGuess) return false;
+      if (!chooser.trials().empty()) return mesh_again(chooser);
+      if (smaller < kSmallestGuess) return false;
       result_.failure.reset();
       smaller /= 2;
     }
     result_.trials = chooser.trials();
     return true;
+  }
+
+  // So few cells hold nothing: the last mesh that there was counts.
+  bool mesh_again(const CellChooser& chooser) {
+    result_.failure.reset();
+    result_.trials = chooser.trials();
+    return mesh(chooser.trials().back().cell);
   }
 
   void require_memory_for_number() const {
