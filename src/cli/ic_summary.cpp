@@ -2,14 +2,12 @@
 
 #include <fmt/format.h>
 
+#include "burnish/core/text.h"
+
 namespace burnish {
 namespace {
 
 std::string line(std::string_view label, const std::string& text) { return fmt::format("{:<20}{}\n", label, text); }
-
-std::string text_of(const Box3& b) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z);
-}
 
 std::string mesh_lines(const CaseMesh& m) {
   std::string patches;

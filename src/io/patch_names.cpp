@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <set>
 #include <string_view>
 
@@ -22,10 +23,12 @@ std::string plain(const std::string& name) {
 std::vector<std::string> patch_names(const std::vector<MeshPatch>& patches) {
   std::vector<std::string> names;
   std::set<std::string> taken;
+  std::map<std::string, int> next;  // number to be tried for a name that is taken
   for (const MeshPatch& patch : patches) {
     const std::string name = plain(patch.name);
     std::string free = name;
-    for (int i = 2; !taken.insert(free).second; ++i) free = fmt::format("{}_{}", name, i);
+    int& number = next.try_emplace(name, 2).first->second;
+    while (!taken.insert(free).second) free = fmt::format("{}_{}", name, number++);
     names.push_back(free);
   }
   return names;

@@ -32,10 +32,6 @@ double sum_of_heights(int count, double ratio) {
   return sum;
 }
 
-std::string text_of(const Box3& b) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z);
-}
-
 std::string_view name(VolumeFormat format) {
   constexpr std::string_view kNames[] = {"OpenFOAM case", "VTU", "Gmsh", "SU2"};
   return kNames[static_cast<std::size_t>(format)];
@@ -141,16 +137,6 @@ class FlowMeshRun {
     return {solid.lower - around, solid.upper + around};
   }
 
-  // The surface has to be inside of it by a cell.
-  void require_domain_holds_solid(const Box3& domain, double cell) const {
-    if (job_.side == MeshSide::inside) return;
-    const Box3& solid = result_.solid.box;
-    for (int a = 0; a < 3; ++a)
-      if (!(domain.lower[a] <= solid.lower[a] - cell && domain.upper[a] >= solid.upper[a] + cell))
-        throw Error(ErrorCode::usage, fmt::format("the domain, {}, cuts the model, {}, or is within a cell of it", text_of(domain), text_of(solid)),
-                    "give a --domain that is larger on all sides, or leave it out");
-  }
-
   WallLayers layers(double cell) const {
     const LayersWanted& wanted = job_.layers;
     const double whole = sum_of_heights(wanted.count, wanted.ratio);
@@ -246,7 +232,6 @@ class FlowMeshRun {
   bool mesh(double cell) {
     result_.cell = cell;
     result_.cells_along_longest_side = result_.solid.box.longest_side() / cell;
-    require_domain_holds_solid(domain(), cell);
     tell_layers_wanted(cell);
     begin("meshing");
     const double start = process_cpu_seconds();

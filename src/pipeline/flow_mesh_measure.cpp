@@ -30,10 +30,9 @@ double face_area(const PolyhedralMesh& mesh, std::size_t f) {
   return 0.5 * norm(twice);
 }
 
-MeshedPatch told_patch(const PolyhedralMesh& mesh, const MeshPatch& patch, const SurfacePatches& patches) {
-  MeshedPatch told{patch.name, patch.type, "", patch.faces, 0};
-  const auto at = std::find(patches.names.begin(), patches.names.end(), patch.name);
-  if (at != patches.names.end()) told.group = patches.groups[static_cast<std::size_t>(at - patches.names.begin())];
+MeshedPatch told_patch(const PolyhedralMesh& mesh, std::size_t number, const SurfacePatches& patches) {
+  const MeshPatch& patch = mesh.patches[number];
+  MeshedPatch told{patch.name, patch.type, number < patches.groups.size() ? patches.groups[number] : "", patch.faces, 0};
   for (std::size_t f = patch.first_face; f < std::size_t{patch.first_face} + patch.faces; ++f) told.area += face_area(mesh, f);
   return told;
 }
@@ -97,11 +96,10 @@ void tell_mesh(const FlowMesh& flow, const SurfacePatches& patches, const Box3& 
   result.layers.least_first = layers.least_first, result.layers.greatest_first = layers.greatest_first;
   result.warnings.insert(result.warnings.end(), flow.notes.begin(), flow.notes.end());
   tell_sizes(mesh, result);
-  for (const MeshPatch& patch : mesh.patches) result.patches.push_back(told_patch(mesh, patch, patches));
+  for (std::size_t i = 0; i < mesh.patches.size(); ++i) result.patches.push_back(told_patch(mesh, i, patches));
   const bool outside = result.side == MeshSide::outside;
   const MeshedSolid& solid = result.solid;
-  // The domain is rounded to whole cells, and sides of the mesh's box are those of the domain.
-  result.volume_wanted = outside ? volume_of(result.box.empty() ? domain : result.box) - solid.volume : solid.volume;
+  result.volume_wanted = outside ? volume_of(domain) - solid.volume : solid.volume;
   result.regions_wanted = outside ? 1 + solid.cavities : solid.components - solid.cavities;
 }
 
@@ -118,7 +116,7 @@ void judge_quality(const VolumeMesh& mesh, FlowMeshResult& result, Progress& pro
 }
 
 void compare_patches(const VolumeMesh& mesh, const SurfacePatches& patches, const TriangleSoup& surface, FlowMeshResult& result) {
-  const TriangleSoup meshed = triangles_of(mesh.mesh, patches.names);
+  const TriangleSoup meshed = wall_triangles(mesh.mesh, patches.names.size());
   if (meshed.facets.empty()) return;
   std::vector<FarSample> far;
   result.surface_to_patches = one_sided_distance(surface, TriangleIndex(meshed), {.far_beyond = kLossCells * result.cell}, &far);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <span>
 #include <iterator>
 
 #include "burnish/core/error.h"
@@ -46,10 +47,9 @@ void set_patch_types(const std::vector<std::pair<std::string, std::string>>& typ
   }
 }
 
-TriangleSoup triangles_of(const PolyhedralMesh& mesh, const std::vector<std::string>& patches) {
+TriangleSoup wall_triangles(const PolyhedralMesh& mesh, std::size_t patches) {
   TriangleSoup soup{mesh.points, {}, {}};
-  for (const MeshPatch& patch : mesh.patches) {
-    if (std::find(patches.begin(), patches.end(), patch.name) == patches.end()) continue;
+  for (const MeshPatch& patch : std::span(mesh.patches).first(patches)) {
     for (std::size_t f = patch.first_face; f < std::size_t{patch.first_face} + patch.faces; ++f) {
       const auto points = mesh.face(f);
       for (std::size_t i = 2; i < points.size(); ++i) soup.facets.push_back({points[0], points[i - 1], points[i]});

@@ -8,12 +8,10 @@
 #include <vector>
 
 #include "burnish/surface/triangle_soup.h"
+#include "burnish/volume/flow_mesh.h"
 #include "burnish/volume/polyhedral_mesh.h"
 
 namespace burnish {
-
-// Patches of the domain's sides: no patch of the model is named so.
-inline constexpr std::string_view kDomainPatches[] = {"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
 
 struct SurfacePatches {
   std::vector<std::uint32_t> of_facet;  // empty: all are of the first
@@ -21,13 +19,13 @@ struct SurfacePatches {
   std::vector<std::string> groups;      // the names that they are made from
 };
 
-// One for each group of the soup, or one for all if it has none, or `one`.
+// One for each group of the soup, or one for all if it has none, or `one`. None is named like a side of a domain.
 SurfacePatches surface_patches(const TriangleSoup& soup, bool one);
 
 // Gives patches their types. Throws Error{usage} for a patch that does not exist, naming those that do.
 void set_patch_types(const std::vector<std::pair<std::string, std::string>>& types, std::vector<MeshPatch>& patches);
 
-// The faces of the patches of these names, as triangles, welded.
-TriangleSoup triangles_of(const PolyhedralMesh& mesh, const std::vector<std::string>& patches);
+// The faces of the first `patches` patches, as triangles, welded.
+TriangleSoup wall_triangles(const PolyhedralMesh& mesh, std::size_t patches);
 
 }  // namespace burnish

@@ -4,14 +4,12 @@
 
 #include <array>
 
+#include "burnish/core/text.h"
+
 namespace burnish {
 namespace {
 
 constexpr double kSmall = 0.005, kLarge = 2;  // of the mesh's diagonal: what a model in it is between
-
-std::string text_of(const Box3& b) {
-  return fmt::format("({:.4g}, {:.4g}, {:.4g}) to ({:.4g}, {:.4g}, {:.4g})", b.lower.x, b.lower.y, b.lower.z, b.upper.x, b.upper.y, b.upper.z);
-}
 
 bool meet(const Box3& a, const Box3& b) {
   for (int axis = 0; axis < 3; ++axis)

@@ -6,18 +6,12 @@
 #include <span>
 #include <vector>
 
+#include "burnish/core/scramble.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish::example {
 
 inline constexpr double kPi = 3.14159265358979323846;
-
-// A bijection on 64 bits whose output passes for random (the finalizer of SplitMix64).
-constexpr std::uint64_t scramble(std::uint64_t x) {
-  x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-  x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-  return x ^ (x >> 31);
-}
 
 // SplitMix64 (Steele, Lea and Flood, 2014). Integer and exactly rounded operations only, so that it gives
 // the same numbers everywhere, which the distributions of the standard library do not promise.
@@ -26,7 +20,7 @@ class Random {
   explicit Random(std::uint64_t seed, std::uint64_t stream = 0)
       : state_(scramble(seed) + scramble(~stream)) {}
 
-  std::uint64_t bits() { return scramble(state_ += 0x9e3779b97f4a7c15u); }
+  std::uint64_t bits() { return scramble(state_ += kScrambleStep); }
   // Uniform in [0, 1).
   double uniform() { return static_cast<double>(bits() >> 11) * 0x1p-53; }
   double uniform(double low, double high) { return low + (high - low) * uniform(); }

@@ -7,20 +7,13 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/core/scramble.h"
 #include "burnish/core/union_find.h"
 
 namespace burnish {
 namespace {
 
 constexpr std::uint32_t kUnused = 0xffffffffu;
-
-// A number for each number, 64 bits that look random (splitmix64).
-constexpr std::uint64_t scattered(std::uint64_t x) {
-  x += 0x9e3779b97f4a7c15ull;
-  x = (x ^ x >> 30) * 0xbf58476d1ce4e5b9ull;
-  x = (x ^ x >> 27) * 0x94d049bb133111ebull;
-  return x ^ x >> 31;
-}
 
 // A face as one cell has it: its points lie one after the other in `loops`, the normal outwards.
 struct HalfFace {
@@ -110,7 +103,7 @@ class Assembly {
   Name name(const HalfFace& h) const {
     Name n{kUnused, kUnused, h.size, 0};
     for (std::uint32_t p : loop(h)) {
-      n.sum += scattered(p);
+      n.sum += scramble(p + kScrambleStep);
       if (p < n.low) std::swap(p, n.low);
       if (p < n.next) n.next = p;
     }

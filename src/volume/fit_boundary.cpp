@@ -108,9 +108,7 @@ class Fitting {
   }
 
   bool is_parted(std::uint32_t a, std::uint32_t b) const {
-    if (facet_[a] == kNoFacet || facet_[b] == kNoFacet || reference_.sheet(facet_[a]) == reference_.sheet(facet_[b])) {
-      if (facet_[a] == kNoFacet || facet_[b] == kNoFacet || facet_[a] == facet_[b]) return false;
-    }
+    if (facet_[a] == kNoFacet || facet_[b] == kNoFacet) return false;
     return !reference_.connected(facet_[a], facet_[b], (start_[a] + start_[b]) * 0.5, kConnected * cell_);
   }
 

@@ -14,6 +14,7 @@
 #include "assemble.h"
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "burnish/core/text.h"
 #include "burnish/extract/reference_surface.h"
 #include "burnish/levelset/from_triangles.h"
 #include "cell_lattice.h"
@@ -34,7 +35,6 @@ constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room the
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
 constexpr double kCornerSnap = 0.85;  // and the nearest one to a corner, if nearer than this
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
-constexpr std::array<const char*, 6> kSides{"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
 
 using LatticePlace = std::array<std::int64_t, 3>;
 Vec3 place_of(const LatticePlace& n) { return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])}; }
@@ -116,7 +116,8 @@ class FlowMesher {
     for (int a = 0; a < 3; ++a) room = std::min({room, body.lower[a] - options_.domain.lower[a], options_.domain.upper[a] - body.upper[a]});
     room /= options_.cell;
     if (!(room >= kLeastRoom))
-      throw Error(ErrorCode::usage, fmt::format("a side of the domain is {:.3g} cells from the surface; it has to be {} at least", room, kLeastRoom), "choose a larger --domain, or a smaller --cell");
+      throw Error(ErrorCode::usage, fmt::format("the domain, {}, cuts the model, {}, or is within {} cells of it", text_of(options_.domain), text_of(body), kLeastRoom),
+                  "choose a --domain that is larger on all sides, or a smaller --cell");
     options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom))), 0, options_.coarsest_level);
   }
 
@@ -218,7 +219,7 @@ class FlowMesher {
     if (patches.empty()) patches.push_back({"surface", "wall"});
     const auto walls = static_cast<std::uint32_t>(patches.size());
     if (outside())
-      for (const char* side : kSides) patches.push_back({side, "patch"});
+      for (const std::string_view side : kDomainPatches) patches.push_back({std::string(side), "patch"});
     std::vector<std::uint32_t> patch_of(mesh.faces() - internal, 0);
     parallel_for(patch_of.size(), [&](std::size_t i) {
       if (on_wall_[i]) patch_of[i] = patch_of_facet_.empty() ? 0 : patch_of_facet_[nearest_facet(internal + i)];

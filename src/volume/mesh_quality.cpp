@@ -5,6 +5,7 @@
 #include <optional>
 #include <stdexcept>
 
+#include "assemble.h"
 #include "burnish/core/parallel.h"
 #include "mesh_quality_measures.h"
 #include "mesh_quality_shapes.h"
@@ -157,7 +158,8 @@ MeshQuality quality_of(StoredGeometry& g, const MeshQualityLimits& limits, Progr
   result.points = g.mesh.points.size();
   result.faces = g.mesh.faces();
   result.internal_faces = g.mesh.internal_faces();
-  result.regions = region_count(g.mesh);
+  std::vector<std::uint32_t> region;
+  result.regions = connected_parts(g.mesh, region);
   return result;
 }
 

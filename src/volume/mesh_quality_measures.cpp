@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "burnish/core/parallel.h"
+#include "burnish/core/scramble.h"
 
 namespace burnish::quality {
 
@@ -95,18 +96,12 @@ void for_each_edge_use(const PolyhedralMesh& mesh, const CellFaces& faces, std::
   }
 }
 
-std::uint64_t scrambled(std::uint64_t key) {  // splitmix64
-  key = (key ^ (key >> 30)) * 0xbf58476d1ce4e5b9ULL;
-  key = (key ^ (key >> 27)) * 0x94d049bb133111ebULL;
-  return key ^ (key >> 31);
-}
-
 }  // namespace
 
 // [T-QUAL-11] Where each edge is used an even number of times the scrambled edges cancel; others are counted.
 int open_edges(const PolyhedralMesh& mesh, const CellFaces& faces, std::size_t cell) {
   std::uint64_t sum = 0;
-  for_each_edge_use(mesh, faces, cell, [&](const Edge& e) { sum ^= scrambled((std::uint64_t{e.first} << 32 | e.second) + 0x9e3779b97f4a7c15ULL); });
+  for_each_edge_use(mesh, faces, cell, [&](const Edge& e) { sum ^= scramble((std::uint64_t{e.first} << 32 | e.second) + kScrambleStep); });
   if (sum == 0) return 0;
   std::vector<Edge> uses;
   for_each_edge_use(mesh, faces, cell, [&](const Edge& e) { uses.push_back(e); });

@@ -1,7 +1,6 @@
 #include "mesh_quality_topology.h"
 
 #include "burnish/core/parallel.h"
-#include "burnish/core/union_find.h"
 
 namespace burnish::quality {
 
@@ -40,14 +39,6 @@ std::uint64_t misordered_face_count(const PolyhedralMesh& mesh, const CellFaces&
         return wrong;
       },
       [](std::uint64_t a, std::uint64_t b) { return a + b; });
-}
-
-std::uint32_t region_count(const PolyhedralMesh& mesh) {
-  UnionFind regions(mesh.cells);
-  for (std::size_t f = 0; f < mesh.internal_faces(); ++f) regions.unite(mesh.owner[f], mesh.neighbour[f]);
-  std::uint32_t count = 0;
-  for (std::uint32_t c = 0; c < mesh.cells; ++c) count += regions.is_representative(c) ? 1 : 0;
-  return count;
 }
 
 }  // namespace burnish::quality

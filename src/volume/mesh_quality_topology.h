@@ -8,7 +8,5 @@ namespace burnish::quality {
 std::uint64_t unused_point_count(const PolyhedralMesh& mesh);
 // Internal faces whose owner is not below its neighbour, or that come before a face of the same owner to a lower neighbour. [T-FOAM-1]
 std::uint64_t misordered_face_count(const PolyhedralMesh& mesh, const CellFaces& faces);
-// Parts that no face connects.
-std::uint32_t region_count(const PolyhedralMesh& mesh);
 
 }  // namespace burnish::quality

@@ -57,7 +57,7 @@ class Stuffing {
       const LatticeNode node{static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1]), static_cast<std::int32_t>(p[2])};
       phi_[i] = side_ * node_value(set_.octree(), set_.phi, node);
       sign_[i] = static_cast<std::int8_t>((phi_[i] > 0) - (phi_[i] < 0));
-      result_.points[i] = {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
+      result_.points[i] = original(static_cast<std::uint32_t>(i));
     });
   }
 

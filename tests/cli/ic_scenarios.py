@@ -1,13 +1,12 @@
 """`burnish ic`: fields in OpenFOAM cases, and OpenFOAM's own view of them where it is installed."""
 import importlib.machinery
 import importlib.util
-import json
 import re
 from pathlib import Path
 
 import models
 from runner import expect, expect_match
-from scenarios import expect_valid, scenario
+from scenarios import json_result, scenario
 
 HEADER = "FoamFile {{ version 2.0; format ascii; class {}; object {}; }}\n"
 FIELD = HEADER.format("volScalarField", "f") + "dimensions [0 0 0 0 0 0 0];\ninternalField uniform 0;\nboundaryField { walls { type zeroGradient; } // kept\n }\n"
@@ -69,12 +68,7 @@ def values(path):
 
 
 def ic(box, *args, code=0):
-    run = box.run(["ic", *args, "--json", "-q"])
-    expect(run.code == code, f"exit code {run.code} of {args}\n{run.messages()}")
-    result = json.loads(run.out)
-    if "error" not in result:
-        expect_valid("ic.schema.json", result)
-    return result
+    return json_result(box, "ic", *args, code=code)
 
 
 @scenario("ic")

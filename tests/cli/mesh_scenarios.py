@@ -8,19 +8,14 @@ import time
 
 import models
 from runner import expect, expect_match
-from scenarios import DOCS, expect_valid, scenario
+from scenarios import DOCS, json_result, scenario
 
 FOAM = {**os.environ, "WM_PROJECT_DIR": "/usr/share/openfoam"}
 COARSE = ["--cell", "0.125"]
 
 
 def mesh(box, *args, code=0):
-    run = box.run(["mesh", *args, "--json", "-q"])
-    expect(run.code == code, f"exit code {run.code} of {args}\n{run.messages()}")
-    result = json.loads(run.out)
-    if "error" not in result:
-        expect_valid("mesh.schema.json", result)
-    return result
+    return json_result(box, "mesh", *args, code=code)
 
 
 def named_stl(names):

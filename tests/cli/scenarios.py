@@ -552,6 +552,16 @@ def expect_valid(name, data):
     expect(not complaints, f"against docs/{name}: " + "; ".join(complaints))
 
 
+def json_result(box, command, *args, code=0):
+    """What a command tells with --json, held against the schema that is named like the command."""
+    run = box.run([command, *args, "--json", "-q"])
+    expect(run.code == code, f"exit code {run.code} of {args}\n{run.messages()}")
+    result = json.loads(run.out)
+    if "error" not in result:
+        expect_valid(f"{command}.schema.json", result)
+    return result
+
+
 @scenario("schemas")
 def checks(box):
     for name in ("cube.stl", "hole.stl", "crossing.stl", "triangle.stl"):

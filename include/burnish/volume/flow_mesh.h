@@ -5,9 +5,11 @@
 // tetrahedra stand between them and finer ones. [T-HEX-1]
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "burnish/core/progress.h"
@@ -18,6 +20,9 @@
 namespace burnish {
 
 enum class MeshSide : std::uint8_t { inside, outside };
+
+// Patches of the domain's sides.
+inline constexpr std::array<std::string_view, 6> kDomainPatches{"xMin", "xMax", "yMin", "yMax", "zMin", "zMax"};
 
 enum class MeshFlavour : std::uint8_t {
   conforming,  // hexahedra, pyramids, tetrahedra, wedges: whatever reads meshes reads it
@@ -69,7 +74,7 @@ struct FlowMesh {
 };
 
 // `surface`: closed, oriented outwards, without intersections, in model units. `patch_of_facet`: index into `patch_names` for each of its facets (empty: one
-// patch, patch_names[0] or "surface"). Patches of the mesh: those names (type wall), which no face need have; outside also xMin, xMax, yMin, yMax, zMin, zMax (type patch).
+// patch, patch_names[0] or "surface"). Patches of the mesh: those names (type wall), which no face need have; in that order; outside also kDomainPatches (type patch).
 // Same bits for any number of threads. Throws Error: memory_limit; usage for a domain too small; guarantee_unmet where nothing of the side holds a cell; interrupted.
 // 9 us a cell (of one CPU; 0.1 M cells a second), 0.8 kB a cell.
 FlowMesh flow_mesh(const TriangleSoup& surface, const std::vector<std::uint32_t>& patch_of_facet, const std::vector<std::string>& patch_names, const FlowMeshOptions& options,
