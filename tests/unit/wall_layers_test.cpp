@@ -64,10 +64,10 @@ std::vector<double> column_volumes(const FlowMesh& flow, const CellFaces& faces,
   return volumes;
 }
 
-class LayersOf : public testing::TestWithParam<std::tuple<const char*, MeshSide>> {
+class LayersOf : public testing::TestWithParam<std::tuple<std::string, MeshSide>> {
  protected:
   static TriangleSoup surface() {
-    const std::string name = std::get<0>(GetParam());
+    const std::string& name = std::get<0>(GetParam());
     return name == "sphere" ? icosphere(4) : name == "torus" ? torus(96, 48) : cube();
   }
   static bool has_creases() { return std::string(std::get<0>(GetParam())) == "cube"; }
@@ -88,7 +88,7 @@ TEST_P(LayersOf, KeepTheWallTheVolumeAndPassCheckMesh) {
   EXPECT_EQ(without.layers.wall_area, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Shapes, LayersOf, testing::Combine(testing::Values("sphere", "torus", "cube"), testing::Values(MeshSide::inside, MeshSide::outside)));
+INSTANTIATE_TEST_SUITE_P(Shapes, LayersOf, testing::Combine(testing::Values(std::string("sphere"), std::string("torus"), std::string("cube")), testing::Values(MeshSide::inside, MeshSide::outside)));
 
 // [T-LAYER-1] Outside a sphere of radius 1 a column's volume grows with (1 + d)^3, d the distance.
 TEST(WallLayers, HeightsGrowByTheRatio) {
