@@ -46,6 +46,7 @@ std::string resolved(const std::string& folder) {
 FolderSwap::FolderSwap(const std::string& destination) : destination_(resolved(destination)) {
   std::error_code error;
   const fs::path parent = fs::path(destination_).parent_path();
+  for (fs::path p = parent; !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p.string());
   fs::create_directories(parent, error);
   if (error) fail(parent.string(), error.message());
   const std::string temporary = temporary_beside(destination_);
@@ -56,7 +57,9 @@ FolderSwap::FolderSwap(const std::string& destination) : destination_(resolved(d
 
 FolderSwap::~FolderSwap() {
   std::error_code ignored;
-  if (!committed_) fs::remove_all(temporary_, ignored);
+  if (committed_) return;
+  fs::remove_all(temporary_, ignored);
+  for (const std::string& folder : made_) fs::remove(folder, ignored);  // unless somebody has put something there
 }
 
 void FolderSwap::commit() {

@@ -2,11 +2,12 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 namespace burnish {
 
 // A new folder beside its destination (`.name.XXXXXX.tmp`), which `commit` puts in the place of what is there. Unless committed, the destructor
-// removes it. The destination may be a link to a folder: then that folder is replaced.
+// removes it, and the folders that were made for it. The destination may be a link to a folder: then that folder is replaced.
 class FolderSwap {
  public:
   // Creates the new folder, and those that the destination is to be in. Throws Error{unwritable_output}.
@@ -25,6 +26,7 @@ class FolderSwap {
  private:
   std::string destination_;
   std::string temporary_;
+  std::vector<std::string> made_;  // folders that were not there, the innermost first
   bool committed_ = false;
 };
 

@@ -241,6 +241,11 @@ TEST(VolumeFiles, LeaveNothingHalfWritten) {
     message_of([&] { write_volume_mesh(folder.path(name), mesh, {}, stop); }, ErrorCode::interrupted);
     EXPECT_EQ(folder.file_count(), 0) << name;
   }
+  for (int n = 0; n < 3; ++n) {
+    StopAt stop(n);
+    message_of([&] { write_foam_case(folder.path("new/case"), mesh, {}, stop); }, ErrorCode::interrupted);
+    EXPECT_FALSE(std::filesystem::exists(folder.path("new"))) << n;
+  }
   put(folder.path("a.su2"), "mine");
   message_of([&] { write_volume_mesh(folder.path("a.su2"), mesh, {.overwrite = false}); }, ErrorCode::unwritable_output);
   EXPECT_EQ(folder.bytes("a.su2"), "mine");
