@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
+#include <tuple>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
@@ -19,6 +20,7 @@ constexpr double kLong = 0.24999, kShort = 0.41189;
 constexpr double kFlat = 0.2, kSquare = 0.3, kHeight = 0.3;
 constexpr double kCube = 0.3;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
 constexpr double kCreaseReach = 1.2;  // half sides of a node's smallest cell: no node farther from the surface is near a crease
+constexpr double kCrowded = 0.1;  // of a tetrahedron's volume: less may not be left of it when its nodes have gone to creases
 constexpr double kLarger = 1.5;  // of the smallest cell at a node that has larger ones too: the edge that it may move along
 constexpr std::size_t kCellsAtATime = 4096;
 
@@ -141,13 +143,67 @@ class Stuffing {
 
   // [T-HEX-9]
   void move_to_creases() {
+    std::vector<std::optional<Vec3>> target(sign_.size());
     parallel_for(sign_.size(), [&](std::size_t i) {
-      if (std::abs(phi_[i]) > kCreaseReach * (1 << level_[i])) return;
-      const std::optional<Vec3> target = crease_(result_.points[i], level_[i]);
-      if (!target) return;
-      result_.points[i] = *target;
-      sign_[i] = 0;
+      if (std::abs(phi_[i]) <= kCreaseReach * (1 << level_[i])) target[i] = crease_(lattice_.position(static_cast<std::uint32_t>(i)), level_[i]);
     });
+    // A place takes one node, the nearest: several have the same where a crease ends.
+    std::vector<std::tuple<Vec3, double, std::uint32_t>> wishes;
+    for (std::uint32_t i = 0; i < target.size(); ++i)
+      if (target[i]) wishes.emplace_back(*target[i], squared_norm(*target[i] - result_.points[i]), i);
+    std::sort(wishes.begin(), wishes.end());
+    for (std::size_t w = 0; w < wishes.size(); ++w) {
+      const auto& [place, distance, node] = wishes[w];
+      if (w > 0 && std::get<0>(wishes[w - 1]) == place) continue;
+      result_.points[node] = place;
+      sign_[node] = 0;
+    }
+    take_back();
+  }
+
+  // A tetrahedron that loses nearly all of its volume has the node back that moved farthest, measured by its smallest cell. [T-HEX-9]
+  void take_back() {
+    for (std::vector<std::uint32_t> back = crowded(); !back.empty(); back = crowded())
+      for (const std::uint32_t node : back) {
+        result_.points[node] = original(node);
+        sign_[node] = static_cast<std::int8_t>((phi_[node] > 0) - (phi_[node] < 0));
+      }
+  }
+  std::vector<std::uint32_t> crowded() const {
+    std::vector<std::vector<std::uint32_t>> found((lattice_.cells() + kCellsAtATime - 1) / kCellsAtATime);
+    parallel_ranges(lattice_.cells(), kCellsAtATime, [&](std::size_t begin, std::size_t end) {
+      for (std::size_t cell = begin; cell < end; ++cell)
+        visit_all_tetrahedra(cell, [&](const Tetrahedron& t) {
+          if (const std::optional<std::uint32_t> node = farthest_of_crowded(t)) found[begin / kCellsAtATime].push_back(*node);
+        });
+    });
+    std::vector<std::uint32_t> all;
+    for (const auto& part : found) all.insert(all.end(), part.begin(), part.end());
+    std::sort(all.begin(), all.end());
+    all.erase(std::unique(all.begin(), all.end()), all.end());
+    return all;
+  }
+  std::optional<std::uint32_t> farthest_of_crowded(const Tetrahedron& t) const {
+    const auto way = [&](std::uint32_t node) { return norm(result_.points[node] - original(node)) / (1 << level_[node]); };
+    const std::uint32_t node = *std::max_element(t.begin(), t.end(), [&](std::uint32_t a, std::uint32_t b) { return std::pair(way(a), a) < std::pair(way(b), b); });
+    if (!(way(node) > 0)) return std::nullopt;
+    const auto volume = [&](auto&& at) { return dot(cross(at(t[1]) - at(t[0]), at(t[2]) - at(t[0])), at(t[3]) - at(t[0])); };
+    const double now = volume([&](std::uint32_t n) { return result_.points[n]; }), before = volume([&](std::uint32_t n) { return original(n); });
+    if (now * (before < 0 ? -1 : 1) >= kCrowded * std::abs(before)) return std::nullopt;
+    return node;
+  }
+
+  // Of the lattice, whether the surface is near or not.
+  template <class Visit>
+  void visit_all_tetrahedra(std::size_t cell, Visit&& visit) const {
+    for (int f = 0; lattice_.exists(cell) && f < 6; ++f)
+      if (lattice_.owns(cell, f) && lattice_.across(cell, f) != Octree::kNone) visit_around(cell, f, visit);
+  }
+  template <class Visit>
+  void visit_around(std::size_t cell, int f, Visit&& visit) const {
+    const FacePolygon p = lattice_.polygon(cell, f);
+    for (int i = 0; i < p.size; ++i)
+      visit(Tetrahedron{lattice_.centre(cell), p.node[static_cast<std::size_t>(i)], p.node[static_cast<std::size_t>((i + 1) % p.size)], lattice_.centre(lattice_.across(cell, f))});
   }
 
   // Cells of kind `none` have centres too: their neighbours' tetrahedra reach into them.
@@ -157,10 +213,7 @@ class Stuffing {
       if (!lattice_.exists(cell) || !lattice_.owns(cell, f)) continue;
       const std::uint32_t other = lattice_.across(cell, f);
       if (other == Octree::kNone || !needs_tetrahedra(cell, other)) continue;
-      const FacePolygon p = lattice_.polygon(cell, f);
-      if (stands_as_pyramids(cell, other, p)) continue;
-      for (int i = 0; i < p.size; ++i)
-        visit(Tetrahedron{lattice_.centre(cell), p.node[static_cast<std::size_t>(i)], p.node[static_cast<std::size_t>((i + 1) % p.size)], lattice_.centre(other)});
+      if (!stands_as_pyramids(cell, other, lattice_.polygon(cell, f))) visit_around(cell, f, visit);
     }
   }
   bool needs_tetrahedra(std::size_t a, std::size_t b) const {

@@ -4,6 +4,7 @@
 // diagonals stays a wedge or a pyramid here, with plane faces on the sides of the tetrahedron.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <optional>
@@ -37,7 +38,8 @@ struct StuffedCells {
 };
 
 // Where a node has to go that is near to a crease of the surface, seen by the size of its smallest cell (2^level finest ones); nothing where none is near. Called from many threads.
-using CreaseTarget = std::function<std::optional<Vec3>(const Vec3& node, int level)>;
+using LatticePlace = std::array<std::int64_t, 3>;
+using CreaseTarget = std::function<std::optional<Vec3>(const LatticePlace& node, int level)>;
 
 // The cells of the lattice on the side where phi > 0 (`sign` 1) or < 0 (-1). Same result for any number of threads.
 StuffedCells stuff(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, const CreaseTarget& crease, Progress& progress);
