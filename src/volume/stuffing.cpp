@@ -301,6 +301,7 @@ class Stuffing {
       sign_[node] = 0;
       result_.points[node] += *nearest;
     }
+    take_back();
   }
   Vec3 original(std::uint32_t node) const {
     const std::array<std::int64_t, 3> p = lattice_.position(node);
