@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <random>
 #include <string>
 
 #include "burnish/core/error.h"
@@ -223,6 +224,23 @@ TEST(FlowMesh, CellsOfSeveralSizesMeetAtTheSurface) {
         EXPECT_LE(b.extent().x, 0.24 * factor * 1.8);  // tetrahedra span two cells, and corners may have moved
       }
     }
+}
+
+TriangleSoup roughened(TriangleSoup soup, double by, unsigned seed) {
+  std::mt19937 engine(seed);
+  for (Vec3& p : soup.points)
+    for (int a = 0; a < 3; ++a) p[a] += by * (2 * static_cast<double>(engine()) / 4294967296.0 - 1);
+  return soup;
+}
+
+// A rough surface has ends of creases everywhere, which several nodes of several sizes are near to.
+TEST(FlowMesh, CellsOfSeveralSizesMeetAtCreases) {
+  const TriangleSoup rough = roughened(icosphere(4), 0.03, 7);
+  FlowMeshOptions options = outside(rough, 0.09, 0.6);
+  options.refinements = {{{{0, 0, 0}, {1.1, 1.1, 1.1}}, 0.09 * 0.35}};
+  const FlowMesh made = flow_mesh(rough, {}, {}, options);
+  EXPECT_GT(made.crease_points, 100u);
+  expect_sound(made, 1);
 }
 
 TEST(FlowMesh, LargerCellsWhereItIsFlat) {
