@@ -33,7 +33,7 @@ constexpr double kBytesPerCell = 800, kBytesAtSurface = 9000;  // measured; the 
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
-constexpr double kCornerSnap = 0.85;  // and the nearest one to a corner, if nearer than this
+constexpr double kCornerSnap = 1.12;  // and the nearest one to a corner: sqrt(5)/2, no point is farther from all nodes of cells of one size
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
 
 Vec3 place_of(const LatticePlace& n) { return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])}; }
@@ -176,11 +176,11 @@ class FlowMesher {
         const LatticePlace node = nearest_node(at, static_cast<int>(level));
         if (norm(place_of(node) - at) < kCornerSnap * (1 << level)) corners[level].emplace(node, at);
       }
-    return [this, corners = std::move(corners)](const LatticePlace& node, int level) -> std::optional<Vec3> {
-      if (const auto& near = corners[std::min(static_cast<std::size_t>(level), corners.size() - 1)]; near.contains(node)) return near.at(node);
+    return [this, corners = std::move(corners)](const LatticePlace& node, int level) -> std::optional<PlaceOnCrease> {
+      if (const auto& near = corners[std::min(static_cast<std::size_t>(level), corners.size() - 1)]; near.contains(node)) return PlaceOnCrease{near.at(node), true};
       const ReferenceSurface::Foot foot = reference_->closest_on_creases(place_of(node), kCreaseSnap * (1 << level));
       if (!foot.found()) return std::nullopt;
-      return foot.point;
+      return PlaceOnCrease{foot.point};
     };
   }
 
