@@ -183,13 +183,15 @@ class Fitting {
       }
       bad = mending.judged_again(bad, points);
     }
-    // What is bad without any point having moved.
-    mending.mend(std::move(bad), kMendings);
-    result_.mended = mending.moves();
+    // What is bad without any point having moved; at corners only where nothing else helps.
+    bad = mending.mend(std::move(bad), kMendings);
+    Mending last(volume_, around_, faces, at_end_, kLimits, cell_);
+    last.mend(std::move(bad), kMendings);
+    result_.mended = mending.moves() + last.moves();
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
   }
 
-  // What mending may not move: the domain's sides, and what is at corners of the creases.
+  // On the domain's sides, or at corners of the creases.
   std::vector<std::uint8_t> held_points() const {
     std::vector<std::uint8_t> held = at_end_;
     for (const std::uint32_t p : corner_points_) held[p] = 1;
