@@ -107,7 +107,7 @@ def crossings(facets, rays):
     """Where rays along x through the middles of a grid of rays x rays over the facets' box cross facets: {(j, k): [x]}."""
     ends = [(min(min(f[a], f[a + 3], f[a + 6]) for f in facets), max(max(f[a], f[a + 3], f[a + 6]) for f in facets))
             for a in (1, 2)]
-    steps = [(high - low) / rays for low, high in ends]
+    steps = [(high - low) / rays or 1 for low, high in ends]
 
     def span(axis, facet):
         values = [(facet[axis + 1 + 3 * corner] - ends[axis][0]) / steps[axis] - 0.5 for corner in range(3)]
