@@ -90,7 +90,10 @@ def problem_of(program, name, file, side, along, volume, folder):
     cell = max(u - l for l, u in zip(lower, upper)) / along
     problem = Problem(name, file, side, cell, lower, upper, volume)
     repaired = folder / "repaired.stl"
-    burnish_json(program, file, "-o", repaired, "--overwrite")
+    try:
+        burnish_json(program, file, "-o", repaired, "--overwrite")
+    except RuntimeError:  # what is not known has no column, and snappyHexMesh says that it has no point
+        return problem
     problem.volume = volume or burnish_json(program, "check", repaired)["defects"]["volume"]
     problem.inside = point_inside(facets_of(repaired))
     return problem
