@@ -255,7 +255,9 @@ def gmsh_script(problem):
     if not outside:
         return text + 'Volume(1) = {1};\nPhysical Volume("fluid") = {1};\n'
     lower, upper = problem.domain()
-    text += f"MeshSize {{ PointsOf {{ Surface {{ s() }}; }} }} = {problem.cell:.12g};\np = newp; l = newl; f = news;\n"
+    text += (f'Field[1] = MathEval; Field[1].F = "{problem.cell:.12g}";\n'
+             "Field[2] = Restrict; Field[2].InField = 1; Field[2].FacesList = {s()}; Field[2].EdgesList = {Curve{:}};\n"
+             "Background Field = 2;\np = newp; l = newl; f = news;\n")
     for i in range(8):
         at = [(upper if i >> axis & 1 else lower)[axis] for axis in range(3)]
         text += f"Point(p + {i}) = {{{', '.join(f'{x:.12g}' for x in at)}, {problem.cell * COARSEST:.12g}}};\n"
