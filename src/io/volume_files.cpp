@@ -67,7 +67,8 @@ VolumeFormat volume_format(const std::string& path) {
   if (suffix == ".vtu") return VolumeFormat::vtu;
   if (suffix == ".msh") return VolumeFormat::msh;
   if (suffix == ".su2") return VolumeFormat::su2;
-  throw Error(ErrorCode::usage, path + ": the suffix does not say which format to write", "use .vtu (VTK), .msh (gmsh), .su2 (SU2), or a folder (an OpenFOAM case)");
+  if (suffix == ".cgns") return VolumeFormat::cgns;
+  throw Error(ErrorCode::usage, path + ": the suffix does not say which format to write", "use .vtu (VTK), .msh (gmsh), .su2 (SU2), .cgns (CGNS), or a folder (an OpenFOAM case)");
 }
 
 void write_foam_case(const std::string& case_folder, const VolumeMesh& mesh, const VolumeWriteOptions& options, Progress& progress) {
@@ -88,6 +89,7 @@ void write_volume_mesh(const std::string& path, const VolumeMesh& mesh, const Vo
     case VolumeFormat::vtu: return write_vtu(path, mesh, options, progress);
     case VolumeFormat::msh: return write_msh(path, mesh, options, progress);
     case VolumeFormat::su2: return write_su2(path, mesh, options, progress);
+    case VolumeFormat::cgns: return write_cgns(path, mesh, options, progress);
   }
 }
 

@@ -240,5 +240,34 @@ TEST(Vtk, ReadsTheSame) {
   }
 }
 
+// Prisms have a negative volume there: VTK's reader keeps the standard's order of corners, which is not VTK's.
+const char* const kCgnsReadByVtk = R"PY(
+import sys
+from vtkmodules.vtkIOCGNSReader import vtkCGNSReader
+from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+reader = vtkCGNSReader()
+reader.SetFileName(sys.argv[1])
+reader.Update()
+grid = reader.GetOutput().GetBlock(0).GetBlock(0)
+sizes = vtkCellSizeFilter()
+sizes.SetInputData(grid)
+sizes.Update()
+volume = sizes.GetOutput().GetCellData().GetArray("Volume")
+expected = [(10, 1 / 12)] * 2 + [(14, 1 / 6)] * 5 + [(13, -0.5)] * 2 + [(12, 1.0)] * 2
+assert grid.GetNumberOfCells() == len(expected), grid.GetNumberOfCells()
+for c, (kind, size) in enumerate(expected):
+    assert grid.GetCellType(c) == kind, (c, grid.GetCellType(c))
+    assert abs(volume.GetTuple1(c) - size) < 1e-12, (c, volume.GetTuple1(c))
+)PY";
+
+TEST(Vtk, ReadsCgns) {
+  if (!has_cgns()) GTEST_SKIP() << "built without CGNS (libcgns-dev)";
+  if (run_program("/usr/bin/python3 -c 'import vtkmodules.vtkIOCGNSReader, vtkmodules.vtkFiltersVerdict'").status != 0) GTEST_SKIP() << "no VTK (scripts/bootstrap picture)";
+  const Folder folder;
+  write_volume_mesh(folder.path("a.cgns"), mixed_cells(false));
+  const Ran ran = run_program(std::string("/usr/bin/python3 -c '") + kCgnsReadByVtk + "' '" + folder.path("a.cgns") + "'");
+  EXPECT_EQ(ran.status, 0) << ran.output;
+}
+
 }  // namespace
 }  // namespace burnish

@@ -1,7 +1,7 @@
-// Volume meshes as files: OpenFOAM, VTK, gmsh, SU2.
+// Volume meshes as files: OpenFOAM, VTK, gmsh, SU2, CGNS.
 //
 // Nothing half-written appears under the name: files are written beside their destination and renamed. Coordinates in text have all digits that it takes to read
-// the same double back. Same bytes for any number of threads.
+// the same double back. Same bytes for any number of threads (CGNS apart).
 //
 // Names of patches are written as words that all formats take: letters, digits, _ - + . stay (and what is not ASCII), other characters become '_', a '_' comes before a
 // first one that is no letter, and of equal names all but the first end in _2, _3, ...
@@ -17,9 +17,9 @@
 
 namespace burnish {
 
-enum class VolumeFormat : std::uint8_t { foam_case, vtu, msh, su2 };
+enum class VolumeFormat : std::uint8_t { foam_case, vtu, msh, su2, cgns };
 
-// By the path's ending: .vtu, .msh, .su2; a path without a suffix, or a folder that exists, is an OpenFOAM case. Throws Error{usage} naming the formats for any other.
+// By the path's ending: .vtu, .msh, .su2, .cgns; a path without a suffix, or a folder that exists, is an OpenFOAM case. Throws Error{usage} naming the formats for any other.
 VolumeFormat volume_format(const std::string& path);
 
 struct VolumeWriteOptions {
@@ -57,6 +57,13 @@ void write_msh(const std::string& path, const VolumeMesh& mesh, const VolumeWrit
 
 // Text; one marker for each patch. Throws Error{usage} for a mesh with polyhedra. Cost: 0.5 s, less than 1 MB, 95 MB.
 void write_su2(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
+
+// Whether this build can write .cgns.
+bool has_cgns();
+// CGNS 3.4 in HDF5: a base, an unstructured zone, coordinates as doubles; sections of tetrahedra, pyramids, prisms and hexahedra, then of each patch with faces, NAME_Tri and NAME_Quad, with a boundary condition and a family
+// NAME (BCWall, BCSymmetryPlane, or BCTypeUserDefined for what flow passes). Names are cut to 27 bytes, as nodes have 32, and end in _2, _3, ... where they would be the same. No units.
+// Throws Error{usage} for a mesh with polyhedra, for one of more than 2^31 corners of one shape (where the library counts in 32 bits), and in a build without the library. Twice the file's room on disk while it is written. HDF5 records times: the bytes are not those of the run before.
+void write_cgns(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
 
 // The one of the above that the path asks for.
 void write_volume_mesh(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());

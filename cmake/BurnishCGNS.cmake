@@ -1,0 +1,18 @@
+# The CGNS library, which is optional: burnish_find_cgns() sets BURNISH_HAS_CGNS, and CGNS_INCLUDE_DIR and CGNS_LIBRARY.
+set(BURNISH_WITH_CGNS "AUTO" CACHE STRING "Write .cgns files: AUTO (where libcgns-dev is found), ON or OFF")
+set_property(CACHE BURNISH_WITH_CGNS PROPERTY STRINGS AUTO ON OFF)
+
+macro(burnish_find_cgns)
+  set(BURNISH_HAS_CGNS OFF)
+  if(NOT BURNISH_WITH_CGNS STREQUAL "OFF")
+    find_path(CGNS_INCLUDE_DIR cgnslib.h)
+    find_library(CGNS_LIBRARY cgns)
+    if(CGNS_INCLUDE_DIR AND CGNS_LIBRARY)
+      set(BURNISH_HAS_CGNS ON)
+    elseif(BURNISH_WITH_CGNS STREQUAL "ON")
+      message(FATAL_ERROR "BURNISH_WITH_CGNS is ON and the CGNS library was not found: install libcgns-dev")
+    else()
+      message(STATUS "CGNS not found (libcgns-dev): built without .cgns files")
+    endif()
+  endif()
+endmacro()
