@@ -9,6 +9,7 @@
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/octree/field.h"
+#include "numbering.h"
 
 namespace burnish {
 namespace {
@@ -256,6 +257,7 @@ class Stuffing {
 
   void place_cuts() {
     const std::size_t nodes = lattice_.nodes();
+    require_numbers(nodes + cuts_.size(), "points");
     result_.points.resize(nodes + cuts_.size());
     result_.on_surface.assign(result_.points.size(), 0);
     for (std::size_t i = 0; i < nodes; ++i) result_.on_surface[i] = sign_[i] == 0;
