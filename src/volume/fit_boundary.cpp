@@ -41,6 +41,7 @@ class Fitting {
     progress_.check();
     relax(volume_, around_, free_points(), kSweeps);
     restore_quality();
+    result_.corners = corner_points_.size();
     return result_;
   }
 
@@ -103,7 +104,7 @@ class Fitting {
       if (taken[c] || fixed_[p]) continue;
       taken[c] = fixed_[p] = 1;
       mesh_.points[p] = reference_.soup().points[corners[c]];
-      ++result_.corners;
+      corner_points_.push_back(p);
     }
   }
 
@@ -168,7 +169,8 @@ class Fitting {
 
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
-    Mending mending(volume_, around_, faces, at_end_, kLimits, cell_);
+    const std::vector<std::uint8_t> held = held_points();
+    Mending mending(volume_, around_, faces, held, kLimits, cell_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = without_split_ones(volume_, bad_cells(mesh_, kLimits, progress_));
@@ -181,10 +183,19 @@ class Fitting {
       }
       bad = mending.judged_again(bad, points);
     }
-    // What is bad without any point having moved.
-    mending.mend(std::move(bad), kMendings);
-    result_.mended = mending.moves();
+    // What is bad without any point having moved; at corners only where nothing else helps.
+    bad = mending.mend(std::move(bad), kMendings);
+    Mending last(volume_, around_, faces, at_end_, kLimits, cell_);
+    last.mend(std::move(bad), kMendings);
+    result_.mended = mending.moves() + last.moves();
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
+  }
+
+  // On the domain's sides, or at corners of the creases.
+  std::vector<std::uint8_t> held_points() const {
+    std::vector<std::uint8_t> held = at_end_;
+    for (const std::uint32_t p : corner_points_) held[p] = 1;
+    return held;
   }
 
   // Of each bad cell the point that has moved farthest; in later rounds all of them, then those of the neighbours too.
@@ -221,6 +232,7 @@ class Fitting {
   std::vector<std::uint8_t> at_end_;  // on a side of the domain
   std::vector<std::uint32_t> facet_;
   std::vector<std::uint8_t> fixed_;  // on a crease or a corner
+  std::vector<std::uint32_t> corner_points_;
   BoundaryFit result_;
 };
 

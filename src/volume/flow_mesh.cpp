@@ -34,10 +34,9 @@ constexpr int kMostRefined = 5;      // levels below the cells at the surface
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
-constexpr double kCornerSnap = 0.85;  // and the nearest one to a corner, if nearer than this
+constexpr double kCornerSnap = 1.12;  // and the nearest one to a corner: sqrt(5)/2, no point is farther from all nodes of cells of one size
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
 
-using LatticePlace = std::array<std::int64_t, 3>;
 Vec3 place_of(const LatticePlace& n) { return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])}; }
 
 // The corner (all coordinates even multiples of 2^level) or the centre (all odd ones) of a cell of that level that is nearest to a point.
@@ -190,17 +189,19 @@ class FlowMesher {
   // [T-HEX-9] The node nearest to a corner of the creases goes there, if it is near enough; of the others those near a crease.
   CreaseTarget crease_target() const {
     if (!reference_->has_creases()) return {};
-    std::map<LatticePlace, Vec3> corners;
-    for (const std::uint32_t c : reference_->creases().corners) {
-      const Vec3& at = reference_->soup().points[c];
-      const LatticePlace node = nearest_node(at, surface_level_);
-      if (norm(place_of(node) - at) < kCornerSnap * surface_cell()) corners.emplace(node, at);
-    }
-    return [this, corners = std::move(corners)](const Vec3& node, int level) -> std::optional<Vec3> {
-      if (const auto found = corners.find(nearest_node(node, surface_level_)); found != corners.end() && place_of(found->first) == node) return found->second;
-      const ReferenceSurface::Foot foot = reference_->closest_on_creases(node, kCreaseSnap * (1 << level));
+    // Of each level of nodes on its own: what is near to a corner for large cells may be far for small ones.
+    std::vector<std::map<LatticePlace, Vec3>> corners(static_cast<std::size_t>(surface_level_ + options_.flat_levels) + 1);
+    for (std::size_t level = 0; level < corners.size(); ++level)
+      for (const std::uint32_t c : reference_->creases().corners) {
+        const Vec3& at = reference_->soup().points[c];
+        const LatticePlace node = nearest_node(at, static_cast<int>(level));
+        if (norm(place_of(node) - at) < kCornerSnap * (1 << level)) corners[level].emplace(node, at);
+      }
+    return [this, corners = std::move(corners)](const LatticePlace& node, int level) -> std::optional<PlaceOnCrease> {
+      if (const auto& near = corners[std::min(static_cast<std::size_t>(level), corners.size() - 1)]; near.contains(node)) return PlaceOnCrease{near.at(node), true};
+      const ReferenceSurface::Foot foot = reference_->closest_on_creases(place_of(node), kCreaseSnap * (1 << level));
       if (!foot.found()) return std::nullopt;
-      return foot.point;
+      return PlaceOnCrease{foot.point};
     };
   }
 

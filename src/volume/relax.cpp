@@ -34,49 +34,39 @@ double mean_ratio(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return std::copysign(12 * std::cbrt(9 * volume * volume) / lengths, volume);
 }
 
-class Relaxation {
- public:
-  explicit Relaxation(VolumeMesh& mesh, const PointCells& around) : mesh_(mesh), around_(around) {}
-
-  void move(std::uint32_t p) {
-    Vec3 mean;
-    double count = 0;
-    for (const std::uint32_t c : around_[p])
-      for (const std::uint32_t q : mesh_.cell(c))
-        if (q != p) mean += mesh_.mesh.points[q], ++count;
-    if (count == 0) return;
-    Vec3& at = mesh_.mesh.points[p];
-    const Vec3 start = at, step = mean / count - start;
-    const double before = worst(p);
-    for (const double part : {1.0, 0.5, 0.25}) {
-      at = start + step * part;
-      if (worst(p) > before) return;
-    }
-    at = start;
+void move(VolumeMesh& mesh, const PointCells& around, std::uint32_t p) {
+  Vec3 mean;
+  double count = 0;
+  for (const std::uint32_t c : around[p])
+    for (const std::uint32_t q : mesh.cell(c))
+      if (q != p) mean += mesh.mesh.points[q], ++count;
+  if (count == 0) return;
+  Vec3& at = mesh.mesh.points[p];
+  const Vec3 start = at, step = mean / count - start;
+  const double before = worst_shape(mesh, around[p]);
+  for (const double part : {1.0, 0.5, 0.25}) {
+    at = start + step * part;
+    if (worst_shape(mesh, around[p]) > before) return;
   }
-
- private:
-  double worst(std::uint32_t p) const {
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t c : around_[p]) {
-      const auto cell = mesh_.cell(c);
-      const auto at = [&](int k) { return mesh_.mesh.points[cell[static_cast<std::size_t>(k)]]; };
-      for (const std::array<int, 4>& t : corner_tetrahedra(mesh_.shape[c])) least = std::min(least, mean_ratio(at(t[0]), at(t[1]), at(t[2]), at(t[3])));
-    }
-    return least;
-  }
-
-  VolumeMesh& mesh_;
-  const PointCells& around_;
-};
+  at = start;
+}
 
 }  // namespace
 
+double worst_shape(const VolumeMesh& mesh, std::span<const std::uint32_t> cells) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const std::uint32_t c : cells) {
+    const auto cell = mesh.cell(c);
+    const auto at = [&](int k) { return mesh.mesh.points[cell[static_cast<std::size_t>(k)]]; };
+    for (const std::array<int, 4>& t : corner_tetrahedra(mesh.shape[c])) least = std::min(least, mean_ratio(at(t[0]), at(t[1]), at(t[2]), at(t[3])));
+  }
+  return least;
+}
+
 void relax(VolumeMesh& mesh, const PointCells& around, const std::vector<std::uint8_t>& free, int sweeps) {
-  Relaxation relaxation(mesh, around);
   for (int sweep = 0; sweep < sweeps; ++sweep)
     for (std::uint32_t p = 0; p < free.size(); ++p)
-      if (free[p]) relaxation.move(p);
+      if (free[p]) move(mesh, around, p);
 }
 
 }  // namespace burnish

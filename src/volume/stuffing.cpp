@@ -1,46 +1,32 @@
 #include "stuffing.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
-#include <optional>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
-#include "burnish/octree/field.h"
 #include "numbering.h"
 
 namespace burnish {
 namespace {
 
-// How near to a node, as a part of an edge, a cut moves the node: Labelle & Shewchuk's, for angles of 10.7 to 164.8 degrees.
-constexpr double kLong = 0.24999, kShort = 0.41189;
 // Of pyramids on squares with moved corners: distance between the diagonals, least area of a corner and least height, in units of the side.
 constexpr double kFlat = 0.2, kSquare = 0.3, kHeight = 0.3;
 constexpr double kCube = 0.3;  // least determinant at a corner of a hexahedron that has moved, in units of the cell
-constexpr double kCreaseReach = 1.2;  // half sides of a node's smallest cell: no node farther from the surface is near a crease
-constexpr double kLarger = 1.5;  // of the smallest cell at a node that has larger ones too: the edge that it may move along
 constexpr std::size_t kCellsAtATime = 4096;
-
-using Tetrahedron = std::array<std::uint32_t, 4>;
-
-std::uint64_t edge_key(std::uint32_t a, std::uint32_t b) { return std::uint64_t{std::min(a, b)} << 32 | std::max(a, b); }
 
 enum class CellKind : std::uint8_t { none, whole, coned };
 
 class Stuffing {
  public:
   Stuffing(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, const CreaseTarget& crease, Progress& progress)
-      : lattice_(lattice), set_(set), side_(sign), polyhedral_(flavour == MeshFlavour::polyhedral), crease_(crease), progress_(progress) {}
+      : lattice_(lattice), nodes_(lattice, set, sign, result_.points), polyhedral_(flavour == MeshFlavour::polyhedral), crease_(crease), progress_(progress) {}
 
   StuffedCells run() {
-    place_nodes();
-    level_nodes();
     classify();
-    if (crease_) move_to_creases();
+    if (crease_) nodes_.move_to_creases(crease_);
     collect_cuts();
-    warp();
+    nodes_.move_to_cuts(cuts_);
     classify();
     collect_cuts();
     place_cuts();
@@ -50,40 +36,18 @@ class Stuffing {
   }
 
  private:
-  void place_nodes() {
-    const std::size_t n = lattice_.nodes();
-    phi_.resize(n), sign_.resize(n), result_.points.resize(n);
-    parallel_for(n, [&](std::size_t i) {
-      const std::array<std::int64_t, 3> p = lattice_.position(static_cast<std::uint32_t>(i));
-      const LatticeNode node{static_cast<std::int32_t>(p[0]), static_cast<std::int32_t>(p[1]), static_cast<std::int32_t>(p[2])};
-      phi_[i] = side_ * node_value(set_.octree(), set_.phi, node);
-      sign_[i] = static_cast<std::int8_t>((phi_[i] > 0) - (phi_[i] < 0));
-      result_.points[i] = original(static_cast<std::uint32_t>(i));
-    });
-  }
-
-  // Of the smallest cell at each node.
-  void level_nodes() {
-    level_.assign(lattice_.nodes(), 0xff);
-    for (std::size_t cell = 0; cell < lattice_.cells(); ++cell) {
-      const auto level = static_cast<std::uint8_t>(lattice_.tree().level(cell));
-      level_[lattice_.centre(cell)] = static_cast<std::uint8_t>(level - lattice_.hangs(cell));  // its neighbours' cells end there
-      for (int c = 0; c < 8; ++c) level_[lattice_.corner(cell, c)] = std::min(level_[lattice_.corner(cell, c)], level);
-    }
-  }
-
   bool has_positive(std::size_t cell) const {
     for (int c = 0; c < 8; ++c)
-      if (sign_[lattice_.corner(cell, c)] > 0) return true;
-    return sign_[lattice_.centre(cell)] > 0;
+      if (nodes_.sign(lattice_.corner(cell, c)) > 0) return true;
+    return nodes_.sign(lattice_.centre(cell)) > 0;
   }
 
   // [T-HEX-5] A cell that stays a hexahedron: nothing of it is beyond the surface, what has moved is still nearly a cube, and on all sides stands something that it can share a face with.
   bool is_whole(std::size_t cell) const {
-    if (sign_[lattice_.centre(cell)] <= 0 || (!polyhedral_ && lattice_.hangs(cell))) return false;
+    if (nodes_.sign(lattice_.centre(cell)) <= 0 || (!polyhedral_ && lattice_.hangs(cell))) return false;
     bool moved = false;
     for (int c = 0; c < 8; ++c) {
-      const int s = sign_[lattice_.corner(cell, c)];
+      const int s = nodes_.sign(lattice_.corner(cell, c));
       if (s < 0) return false;
       moved = moved || s == 0;
     }
@@ -109,7 +73,7 @@ class Stuffing {
   bool can_share(std::size_t cell, int f) const {
     if (lattice_.is_split(cell, f)) {
       for (const std::uint32_t other : lattice_.finer_across(cell, f))
-        if (sign_[lattice_.centre(other)] < 0) return false;
+        if (nodes_.sign(lattice_.centre(other)) < 0) return false;
       return true;
     }
     const std::uint32_t other = lattice_.across(cell, f);
@@ -117,18 +81,18 @@ class Stuffing {
     const FacePolygon p = lattice_.polygon(cell, f);
     const std::uint32_t apex = lattice_.centre(other);
     if (is_flat_end(p, apex)) return true;
-    return sign_[apex] >= 0 && (is_unmoved(p, apex) || is_good_pyramid(p, apex));
+    return nodes_.sign(apex) >= 0 && (is_unmoved(p, apex) || is_good_pyramid(p, apex));
   }
   // A face on the surface, with nothing behind it.
   bool is_flat_end(const FacePolygon& p, std::uint32_t apex) const {
     for (int i = 0; i < p.size; ++i)
-      if (sign_[p.node[static_cast<std::size_t>(i)]] != 0) return false;
-    return sign_[apex] <= 0;
+      if (nodes_.sign(p.node[static_cast<std::size_t>(i)]) != 0) return false;
+    return nodes_.sign(apex) <= 0;
   }
   bool is_unmoved(const FacePolygon& p, std::uint32_t apex) const {
     for (int i = 0; i < p.size; ++i)
-      if (sign_[p.node[static_cast<std::size_t>(i)]] <= 0) return false;
-    return sign_[apex] > 0;
+      if (nodes_.sign(p.node[static_cast<std::size_t>(i)]) <= 0) return false;
+    return nodes_.sign(apex) > 0;
   }
 
   void classify() {
@@ -140,17 +104,6 @@ class Stuffing {
     });
   }
 
-  // [T-HEX-9]
-  void move_to_creases() {
-    parallel_for(sign_.size(), [&](std::size_t i) {
-      if (std::abs(phi_[i]) > kCreaseReach * (1 << level_[i])) return;
-      const std::optional<Vec3> target = crease_(result_.points[i], level_[i]);
-      if (!target) return;
-      result_.points[i] = *target;
-      sign_[i] = 0;
-    });
-  }
-
   // Cells of kind `none` have centres too: their neighbours' tetrahedra reach into them.
   template <class Visit>
   void visit_tetrahedra(std::size_t cell, Visit&& visit) const {
@@ -158,10 +111,7 @@ class Stuffing {
       if (!lattice_.exists(cell) || !lattice_.owns(cell, f)) continue;
       const std::uint32_t other = lattice_.across(cell, f);
       if (other == Octree::kNone || !needs_tetrahedra(cell, other)) continue;
-      const FacePolygon p = lattice_.polygon(cell, f);
-      if (stands_as_pyramids(cell, other, p)) continue;
-      for (int i = 0; i < p.size; ++i)
-        visit(Tetrahedron{lattice_.centre(cell), p.node[static_cast<std::size_t>(i)], p.node[static_cast<std::size_t>((i + 1) % p.size)], lattice_.centre(other)});
+      if (!stands_as_pyramids(cell, other, lattice_.polygon(cell, f))) visit_tetrahedra_across(lattice_, cell, f, visit);
     }
   }
   bool needs_tetrahedra(std::size_t a, std::size_t b) const {
@@ -170,10 +120,10 @@ class Stuffing {
   }
   // Two pyramids on a square that nothing has moved.
   bool stands_as_pyramids(std::size_t a, std::size_t b, const FacePolygon& p) const {
-    if (!p.is_quad() || sign_[lattice_.centre(a)] < 0 || sign_[lattice_.centre(b)] < 0) return false;
+    if (!p.is_quad() || nodes_.sign(lattice_.centre(a)) < 0 || nodes_.sign(lattice_.centre(b)) < 0) return false;
     bool moved = false;
     for (int i = 0; i < 4; ++i) {
-      const int s = sign_[p.node[static_cast<std::size_t>(i)]];
+      const int s = nodes_.sign(p.node[static_cast<std::size_t>(i)]);
       if (s < 0) return false;
       moved = moved || s == 0;
     }
@@ -183,13 +133,13 @@ class Stuffing {
   // A square with moved corners has to be nearly plane, the apex over it, and no more than one side on the surface.
   bool is_good_pyramid(const FacePolygon& p, std::uint32_t apex) const {
     const auto at = [&](int i) { return result_.points[p.node[static_cast<std::size_t>(i % 4)]]; };
-    const auto zero = [&](int i) { return sign_[p.node[static_cast<std::size_t>(i % 4)]] == 0; };
+    const auto zero = [&](int i) { return nodes_.sign(p.node[static_cast<std::size_t>(i % 4)]) == 0; };
     const Vec3 top = result_.points[apex], normal = cross(at(2) - at(0), at(3) - at(1)) * 0.5;
     const double area = norm(normal);
     if (norm(at(0) + at(2) - at(1) - at(3)) * 0.5 > kFlat * std::sqrt(area)) return false;
     int sides = 0;
     for (int i = 0; i < 4; ++i) {
-      sides += sign_[apex] == 0 && zero(i) && zero(i + 1);
+      sides += nodes_.sign(apex) == 0 && zero(i) && zero(i + 1);
       const Vec3 corner = cross(at(i + 1) - at(i), at(i + 3) - at(i));  // twice the corner's triangle
       if (dot(corner, normal) < kSquare * area * area) return false;
       if (std::abs(dot(corner, top - at(i))) < kHeight * area * std::sqrt(area)) return false;
@@ -197,18 +147,16 @@ class Stuffing {
     return sides <= 1 && !(zero(0) && zero(1) && zero(2) && zero(3));
   }
 
-  bool is_cut(std::uint32_t a, std::uint32_t b) const { return sign_[a] * sign_[b] < 0; }
-
   void collect_cuts() {
     const std::size_t chunks = (lattice_.cells() + kCellsAtATime - 1) / kCellsAtATime;
     std::vector<std::vector<std::uint64_t>> found(chunks);
     parallel_ranges(lattice_.cells(), kCellsAtATime, [&](std::size_t begin, std::size_t end) {
       std::vector<std::uint64_t>& cuts = found[begin / kCellsAtATime];
       for (std::size_t cell = begin; cell < end; ++cell)
-        visit_tetrahedra(cell, [&](const Tetrahedron& t) {
+        visit_tetrahedra(cell, [&](const LatticeTetrahedron& t) {
           for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t j = i + 1; j < 4; ++j)
-              if (is_cut(t[i], t[j])) cuts.push_back(edge_key(t[i], t[j]));
+              if (nodes_.is_cut(t[i], t[j])) cuts.push_back(edge_key(t[i], t[j]));
         });
       std::sort(cuts.begin(), cuts.end());
       cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
@@ -219,51 +167,15 @@ class Stuffing {
     cuts_.erase(std::unique(cuts_.begin(), cuts_.end()), cuts_.end());
   }
 
-  // As a part of the edge, from a.
-  double cut_at(std::uint32_t a, std::uint32_t b) const { return phi_[a] / (phi_[a] - phi_[b]); }
-  // Measured by the smallest cell at the node: what a large cell can bear may turn a small one over. [T-HEX-3]
-  double limit(std::uint32_t a, std::uint32_t b) const {
-    const bool is_long = lattice_.is_centre(a) == lattice_.is_centre(b);
-    const double edge = kLarger * (is_long ? 2 : std::numbers::sqrt3) * (1 << level_[a]);
-    return (is_long ? kLong : kShort) * std::min(1.0, edge / norm(original(b) - original(a)));
-  }
-
-  // One node after the other: which goes first does not matter to the bounds.
-  void warp() {
-    std::vector<std::pair<std::uint32_t, std::uint32_t>> ends;  // node, the other end
-    for (const std::uint64_t cut : cuts_) {
-      const auto a = static_cast<std::uint32_t>(cut >> 32), b = static_cast<std::uint32_t>(cut);
-      if (cut_at(a, b) < limit(a, b)) ends.emplace_back(a, b);
-      else if (cut_at(b, a) < limit(b, a)) ends.emplace_back(b, a);
-    }
-    parallel_sort(ends);
-    for (std::size_t i = 0; i < ends.size();) {
-      const std::uint32_t node = ends[i].first;
-      std::optional<Vec3> nearest;
-      for (; i < ends.size() && ends[i].first == node; ++i) {
-        if (sign_[ends[i].second] == 0) continue;
-        const Vec3 step = (original(ends[i].second) - original(node)) * cut_at(node, ends[i].second);
-        if (!nearest || squared_norm(step) < squared_norm(*nearest)) nearest = step;
-      }
-      if (!nearest) continue;
-      sign_[node] = 0;
-      result_.points[node] += *nearest;
-    }
-  }
-  Vec3 original(std::uint32_t node) const {
-    const std::array<std::int64_t, 3> p = lattice_.position(node);
-    return {static_cast<double>(p[0]), static_cast<double>(p[1]), static_cast<double>(p[2])};
-  }
-
   void place_cuts() {
     const std::size_t nodes = lattice_.nodes();
     require_numbers(nodes + cuts_.size(), "points");
     result_.points.resize(nodes + cuts_.size());
     result_.on_surface.assign(result_.points.size(), 0);
-    for (std::size_t i = 0; i < nodes; ++i) result_.on_surface[i] = sign_[i] == 0;
+    for (std::size_t i = 0; i < nodes; ++i) result_.on_surface[i] = nodes_.sign(i) == 0;
     parallel_for(cuts_.size(), [&](std::size_t i) {
       const auto a = static_cast<std::uint32_t>(cuts_[i] >> 32), b = static_cast<std::uint32_t>(cuts_[i]);
-      result_.points[nodes + i] = result_.points[a] + (result_.points[b] - result_.points[a]) * cut_at(a, b);
+      result_.points[nodes + i] = result_.points[a] + (result_.points[b] - result_.points[a]) * nodes_.cut_at(a, b);
       result_.on_surface[nodes + i] = 1;
     });
   }
@@ -295,7 +207,7 @@ class Stuffing {
     if (kind_[cell] == CellKind::whole) emit_whole(cell, out);
     for (int f = 0; f < 6; ++f)
       if (lattice_.owns(cell, f)) emit_across(cell, f, out);
-    visit_tetrahedra(cell, [&](const Tetrahedron& t) { emit_cut(t, out); });
+    visit_tetrahedra(cell, [&](const LatticeTetrahedron& t) { emit_cut(t, out); });
   }
 
   // Pyramids on both sides of a face, where they are.
@@ -350,14 +262,14 @@ class Stuffing {
   }
 
   // [T-HEX-4] Even permutations bring the positive corners to the front.
-  void emit_cut(Tetrahedron t, CellList& out) const {
+  void emit_cut(LatticeTetrahedron t, CellList& out) const {
     int positive = 0, negative = 0;
-    for (const std::uint32_t v : t) positive += sign_[v] > 0, negative += sign_[v] < 0;
+    for (const std::uint32_t v : t) positive += nodes_.sign(v) > 0, negative += nodes_.sign(v) < 0;
     if (positive == 0) return;
     if (negative == 0) return out.add(CellShape::tetrahedron, {t[0], t[1], t[2], t[3]});
     order(t);
     const auto cut = [&](std::size_t i, std::size_t j) { return cut_point(t[i], t[j]); };
-    const auto kept = [&](std::size_t i) { return sign_[t[i]] == 0 ? t[i] : cut(0, i); };
+    const auto kept = [&](std::size_t i) { return nodes_.sign(t[i]) == 0 ? t[i] : cut(0, i); };
     if (positive == 1) return out.add(CellShape::tetrahedron, {t[0], kept(1), kept(2), kept(3)});
     if (positive == 3) return out.add(CellShape::wedge, {t[0], t[2], t[1], cut(0, 3), cut(2, 3), cut(1, 3)});
     if (negative == 2) return out.add(CellShape::wedge, {t[0], cut(0, 3), cut(0, 2), t[1], cut(1, 3), cut(1, 2)});
@@ -366,8 +278,8 @@ class Stuffing {
 
   // Positive corners first, then negative ones, then those on the surface, by an even permutation. With two positive and two negative ones any order of each
   // will do; with one corner on the surface it comes last.
-  void order(Tetrahedron& t) const {
-    const auto rank = [&](std::uint32_t v) { return sign_[v] > 0 ? 0 : sign_[v] < 0 ? 1 : 2; };
+  void order(LatticeTetrahedron& t) const {
+    const auto rank = [&](std::uint32_t v) { return nodes_.sign(v) > 0 ? 0 : nodes_.sign(v) < 0 ? 1 : 2; };
     bool odd = false;
     for (std::size_t i = 0; i < 3; ++i)
       for (std::size_t j = 0; j + 1 < 4 - i; ++j)
@@ -389,7 +301,7 @@ class Stuffing {
   void emit_end(std::size_t cell, int f) {
     const FacePolygon p = lattice_.polygon(cell, f);
     for (int i = 0; i < p.size; ++i)
-      if (sign_[p.node[static_cast<std::size_t>(i)]] <= 0 || sign_[lattice_.centre(cell)] <= 0)
+      if (nodes_.sign(p.node[static_cast<std::size_t>(i)]) <= 0 || nodes_.sign(lattice_.centre(cell)) <= 0)
         throw Error(ErrorCode::guarantee_unmet, "the surface reaches the end of the domain", "choose a larger --domain");
     if (p.is_quad() || polyhedral_) return emit_pyramid(p, true, lattice_.centre(cell), result_.cells);
     Vec3 middle;
@@ -401,18 +313,14 @@ class Stuffing {
       result_.cells.add(CellShape::tetrahedron, {lattice_.centre(cell), p.node[static_cast<std::size_t>(i)], p.node[static_cast<std::size_t>((i + 1) % p.size)], m});
   }
 
+  StuffedCells result_;
   const CellLattice& lattice_;
-  const LevelSet& set_;
-  const int side_;
+  LatticeNodes nodes_;
   const bool polyhedral_;
   const CreaseTarget& crease_;
   Progress& progress_;
-  std::vector<double> phi_;
-  std::vector<std::int8_t> sign_;
-  std::vector<std::uint8_t> level_;
   std::vector<CellKind> kind_;
   std::vector<std::uint64_t> cuts_;  // edges that the surface cuts, ascending
-  StuffedCells result_;
 };
 
 }  // namespace

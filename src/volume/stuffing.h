@@ -5,14 +5,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
-#include <optional>
-#include <utility>
+#include <initializer_list>
 #include <vector>
 
 #include "burnish/core/progress.h"
 #include "burnish/volume/volume_mesh.h"
-#include "cell_lattice.h"
+#include "lattice_nodes.h"
 
 namespace burnish {
 
@@ -35,9 +33,6 @@ struct StuffedCells {
   std::vector<Vec3> points;             // in lattice units: the lattice's nodes, points on edges that the surface cuts, then middles of faces at the domain's end
   std::vector<std::uint8_t> on_surface; // per point
 };
-
-// Where a node has to go that is near to a crease of the surface, seen by the size of its smallest cell (2^level finest ones); nothing where none is near. Called from many threads.
-using CreaseTarget = std::function<std::optional<Vec3>(const Vec3& node, int level)>;
 
 // The cells of the lattice on the side where phi > 0 (`sign` 1) or < 0 (-1). Same result for any number of threads.
 StuffedCells stuff(const CellLattice& lattice, const LevelSet& set, int sign, MeshFlavour flavour, const CreaseTarget& crease, Progress& progress);

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <random>
 #include <string>
 
 #include "burnish/core/error.h"
@@ -158,6 +159,24 @@ TEST(FlowMesh, EdgesOfASolidAreEdgesOfTheMesh) {
   EXPECT_NEAR(volume(made.mesh), signed_volume(box), 3e-3 * signed_volume(box));
 }
 
+// However the solid lies in the lattice: nearly all corners; of some the cells would be too flat.
+TEST(FlowMesh, CornersOfASolidArePointsOfTheMesh) {
+  int corners = 0, kept = 0;
+  for (int i = 0; i < 12; ++i) {
+    const double angle = 0.26 * i;
+    const TriangleSoup box = mapped(cube(), [&](const Vec3& p) { return turned({std::cos(angle) * p.x - std::sin(angle) * p.z, p.y, std::sin(angle) * p.x + std::cos(angle) * p.z}) + Vec3{0.013 * i, 0.007 * i, 0.003 * i}; });
+    const FlowMesh made = flow_mesh(box, {}, {}, inside(0.09 * bounding_box(box).longest_side()));
+    const PolyhedralMesh& mesh = made.mesh.mesh;
+    for (const Vec3& corner : box.points) {
+      double nearest = 1;
+      for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f)
+        for (const std::uint32_t p : mesh.face(f)) nearest = std::min(nearest, norm(mesh.points[p] - corner));
+      ++corners, kept += nearest < 1e-9;
+    }
+  }
+  EXPECT_GE(kept, corners * 9 / 10) << kept << " of " << corners;
+}
+
 TEST(FlowMesh, PatchesFollowTheFacets) {
   const TriangleSoup box = cube();
   std::vector<std::uint32_t> patch(box.facets.size());
@@ -223,6 +242,23 @@ TEST(FlowMesh, CellsOfSeveralSizesMeetAtTheSurface) {
         EXPECT_LE(b.extent().x, 0.24 * factor * 1.8);  // tetrahedra span two cells, and corners may have moved
       }
     }
+}
+
+TriangleSoup roughened(TriangleSoup soup, double by, unsigned seed) {
+  std::mt19937 engine(seed);
+  for (Vec3& p : soup.points)
+    for (int a = 0; a < 3; ++a) p[a] += by * (2 * static_cast<double>(engine()) / 4294967296.0 - 1);
+  return soup;
+}
+
+// A rough surface has ends of creases everywhere, which several nodes of several sizes are near to.
+TEST(FlowMesh, CellsOfSeveralSizesMeetAtCreases) {
+  const TriangleSoup rough = roughened(icosphere(4), 0.03, 7);
+  FlowMeshOptions options = outside(rough, 0.09, 0.6);
+  options.refinements = {{{{0, 0, 0}, {1.1, 1.1, 1.1}}, 0.09 * 0.35}};
+  const FlowMesh made = flow_mesh(rough, {}, {}, options);
+  EXPECT_GT(made.crease_points, 100u);
+  expect_sound(made, 1);
 }
 
 TEST(FlowMesh, LargerCellsWhereItIsFlat) {
