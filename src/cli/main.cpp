@@ -124,7 +124,7 @@ int main(int argc, char** argv) {
     return burnish::fail(error, json);
   } catch (const std::bad_alloc&) {
     return burnish::fail({ErrorCode::memory_limit, "out of memory",
-                          "ask for less, with a coarser --cell or a lower --resolution, or free some memory"},
+                          "ask for less, such as larger cells (--cell), or free some memory"},
                          json);
   } catch (const std::exception& error) {
     return burnish::fail({ErrorCode::bug, fmt::format("internal error: {}", error.what())}, json);

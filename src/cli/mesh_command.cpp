@@ -64,6 +64,7 @@ class MeshCommand : public Command {
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     const double start = monotonic_seconds();
+    const FolderForReports folder(is_case() ? job_.output : "", {report_path_, quality_path_});
     ReportFile report_file(report_path_, job_.write.overwrite), quality_file(quality_path_, job_.write.overwrite);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
     for (const std::string& option : idle_options(job_.options)) console.warn(option, {"has no effect without --smooth"});
@@ -86,9 +87,14 @@ class MeshCommand : public Command {
   }
 
   std::vector<Option> own_options() {
-    CleanOptions& o = job_.options;
+    std::vector<Option> table;
+    for (std::vector<Option> rows : {output_rows(), domain_rows(), cell_rows(), layer_rows(), patch_rows(), other_rows()}) table.insert(table.end(), std::make_move_iterator(rows.begin()), std::make_move_iterator(rows.end()));
+    return table;
+  }
+
+  std::vector<Option> output_rows() {
     return {
-        {"--output", 'o', "PATH", "Output", "Where to write: the folder of an OpenFOAM case, or a .vtu (VTK), .msh (Gmsh) or .su2 file.", store_text(job_.output)},
+        {"--output", 'o', "PATH", "Output", "Where to write: the folder of an OpenFOAM case, or a .vtu (VTK), .msh (Gmsh), .su2 or .cgns file.", store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace a file, or the mesh of a case, that exists already.", switch_on(job_.write.overwrite)},
         {"--dry-run", 0, "", "Output", "Mesh and report, and write nothing.", switch_on(dry_run_)},
         {"--scale", 0, "S", "Output", "Multiply what is written by S, such as 0.001 from millimetres to metres. All lengths given here stay the model's.",
@@ -100,11 +106,21 @@ class MeshCommand : public Command {
         {"--report", 0, "FILE", "Output", "Write a report of what was found and made, as JSON.", store_text(report_path_)},
         {"--quality", 0, "FILE", "Output", "Write all checks of the mesh, and the cells that fail them, as JSON.", store_text(quality_path_)},
         {"--json", 0, "", "Output", "Print the report on standard output instead of the table.", switch_on(json_)},
+    };
+  }
+
+  std::vector<Option> domain_rows() {
+    return {
         {"--inside", 0, "", "Domain", "Mesh what is inside of the model (default).", switch_on(inside_)},
         {"--outside", 0, "", "Domain", "Mesh what is around it, in a box.", [this](const GivenValue&) { job_.side = MeshSide::outside; }},
         {"--domain", 0, "D", "Domain",
          "With --outside, that box: a margin around the model, such as 20 or 300%, or xmin,ymin,zmin,xmax,ymax,zmax. The longest side around when not given.",
          [this](const GivenValue& v) { set_domain(v); }},
+    };
+  }
+
+  std::vector<Option> cell_rows() {
+    return {
         {"--cell", 0, "L", "Cells", "Side of the finest cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
          [this](const GivenValue& v) { job_.cell = length_without_cells(v); }},
         {"--cells", 0, "N", "Cells", "Choose the side so that there are about N cells, such as 200000, 200k or 2M.", [this](const GivenValue& v) { job_.cells = cell_count(v); }},
@@ -120,13 +136,29 @@ class MeshCommand : public Command {
         {"--flavour", 0, "F", "Cells", "'conforming' (default): any solver reads it; 'polyhedral': fewer cells, hexahedra with split faces, for OpenFOAM and VTK.",
          [this](const GivenValue& v) { job_.flavour = one_of<MeshFlavour>(v, {"conforming", "polyhedral"}); }},
         {"--crease", 0, "ANGLE", "Cells", "Edges of more than ANGLE degrees are edges of the mesh; 40 when not given, none with 180.", [this](const GivenValue& v) { set_crease_angle(v); }},
+    };
+  }
+
+  std::vector<Option> layer_rows() {
+    return {
         {"--layers", 0, "N", "Layers", "N layers of flat cells at the wall (1 to 20).", [this](const GivenValue& v) { job_.layers.count = static_cast<int>(integer_within(v, 1, 20)); }},
         {"--first", 0, "H", "Layers", "Height of the cells at the wall, such as 0.01, 0.05% or 0.1h (h: --cell). When not given, all layers together are half a cell thick.",
          [this](const GivenValue& v) { job_.layers.first = positive_length(v), of_layers_ = v.name; }},
         {"--ratio", 0, "R", "Layers", "Each layer is R times as high as the one before it (1 to 2; default 1.2).", [this](const GivenValue& v) { set_layer_ratio(v); }},
+    };
+  }
+
+  std::vector<Option> patch_rows() {
+    return {
         {"--patches", 0, "P", "Patches", "'solid' (default): one for each solid or group of the file; 'one' for all.",
          [this](const GivenValue& v) { job_.one_patch = place_among(v, {"solid", "one"}) == 1; }},
         {"--patch-type", 0, "NAME=T,...", "Patches", "Types of patches: wall, patch or symmetry. The model's are walls, the domain's are patches.", [this](const GivenValue& v) { set_patch_types(v); }},
+    };
+  }
+
+  std::vector<Option> other_rows() {
+    CleanOptions& o = job_.options;
+    return {
         {"--repair-cell", 0, "L", "Repair", "Rebuild the surface by a level set with cells of L. When one is needed and L is not given: half the mesh's cell.",
          [&o](const GivenValue& v) { o.cell = length_without_cells(v); }},
         salvage_row("Broken files", job_.salvage),
@@ -201,6 +233,8 @@ class MeshCommand : public Command {
     require_distinct_files();
     if (dry_run_) job_.output.clear();
   }
+
+  bool is_case() const { return !job_.output.empty() && volume_format(job_.output) == VolumeFormat::foam_case; }
 
   void require_suitable_output() const {
     const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };

@@ -30,8 +30,8 @@ std::string shape_lines(const MeshQuality& q) {
 std::string level_line(const FlowMeshResult& r) {
   std::string levels;
   for (std::size_t l = 0; l < r.cells_of_level.size(); ++l)
-    if (r.cells_of_level[l] > 0) levels += fmt::format("{}{} of {:.4g}", levels.empty() ? "" : ", ", r.cells_of_level[l], std::ldexp(r.cell, static_cast<int>(l)));
-  return levels.empty() ? "" : line("  octree cells", levels);
+    if (r.cells_of_level[l] > 0) levels += fmt::format("{}{} of {:.4g}", levels.empty() ? "" : ", ", r.cells_of_level[l], std::ldexp(r.finest_cell, static_cast<int>(l)));
+  return levels.empty() ? "" : line("  sizes", levels);
 }
 
 std::string mesh_lines(const FlowMeshResult& r) {

@@ -24,7 +24,10 @@ struct Block {
 // What both versions are made of: entities are patches, then the cells.
 class MshWriter {
  public:
-  MshWriter(const OutputFile& file, const VolumeMesh& mesh, Progress& progress) : out_(file.fd(), file.destination()), mesh_(mesh), progress_(progress), names_(patch_names(mesh.mesh.patches)) {
+  MshWriter(const OutputFile& file, const VolumeMesh& mesh, Progress& progress) : out_(file.fd(), file.destination()), mesh_(mesh), progress_(progress) {
+    std::vector<MeshPatch> groups = mesh.mesh.patches;
+    groups.push_back({"fluid", ""});  // unless a patch has that name
+    names_ = patch_names(groups);
     count_blocks();
   }
 
@@ -90,9 +93,9 @@ class MshWriter {
   }
 
   void put_names() {
-    out_.put(fmt::format("$PhysicalNames\n{}\n", names_.size() + 1));
-    for (std::size_t i = 0; i < names_.size(); ++i) out_.put(fmt::format("2 {} \"{}\"\n", i + 1, names_[i]));
-    out_.put(fmt::format("3 {} \"fluid\"\n$EndPhysicalNames\n", fluid()));
+    out_.put(fmt::format("$PhysicalNames\n{}\n", names_.size()));
+    for (std::size_t i = 0; i < patches().size(); ++i) out_.put(fmt::format("2 {} \"{}\"\n", i + 1, names_[i]));
+    out_.put(fmt::format("3 {} \"{}\"\n$EndPhysicalNames\n", fluid(), names_.back()));
   }
 
   void put_size(std::size_t n) { out_.put_raw(std::uint64_t{n}); }
@@ -191,7 +194,7 @@ class MshWriter {
   FdWriter out_;
   const VolumeMesh& mesh_;
   Progress& progress_;
-  std::vector<std::string> names_;
+  std::vector<std::string> names_;  // of the patches, then of the cells
   std::vector<Block> blocks_;
   std::size_t elements_ = 0;
 };

@@ -9,6 +9,9 @@
 namespace burnish {
 namespace {
 
+// A patch of that name would take it away from the group, and conditions for all walls would be that patch's alone.
+constexpr std::string_view kGroupOfWalls = "wall";
+
 bool is_letter(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || static_cast<unsigned char>(c) >= 0x80; }
 
 std::string plain(const std::string& name) {
@@ -22,7 +25,7 @@ std::string plain(const std::string& name) {
 
 std::vector<std::string> patch_names(const std::vector<MeshPatch>& patches) {
   std::vector<std::string> names;
-  std::set<std::string> taken;
+  std::set<std::string> taken{std::string(kGroupOfWalls)};
   std::map<std::string, int> next;  // number to be tried for a name that is taken
   for (const MeshPatch& patch : patches) {
     const std::string name = plain(patch.name);

@@ -3,11 +3,16 @@
 
 #include <fmt/format.h>
 
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
+#include <cerrno>
+#include <cstring>
 #include <filesystem>
 
 #include "burnish/core/error.h"
+#include "burnish/io/output_file.h"
 #include "foam_case_files.h"
 #include "foam_file.h"
 #include "folder_swap.h"
@@ -29,7 +34,7 @@ bool belongs_to_a_mesh(std::string name) {
 }
 
 [[noreturn]] void fail_exists(const std::string& path) {
-  throw Error(ErrorCode::unwritable_output, path + ": exists already, and is of another mesh", "pass --overwrite to replace the mesh of this case, or name another folder");
+  throw Error(ErrorCode::unwritable_output, path + ": exists: the case has a mesh already", "pass --overwrite to replace the mesh of this case, or name another folder");
 }
 
 void require_free(const std::string& poly_mesh, const std::vector<std::string>& later) {
@@ -58,6 +63,17 @@ std::vector<std::string> later_meshes(const std::string& case_folder) {
   return folders;
 }
 
+// Those of a case that files will be made in, as far as they are there.
+void require_writable_folders(const std::string& case_folder) {
+  std::error_code ignored;
+  for (const char* name : {"", "/constant", "/0", "/system"}) {
+    const std::string folder = case_folder + name;
+    if (!fs::exists(folder, ignored)) continue;
+    if (!fs::is_directory(folder, ignored)) throw Error(ErrorCode::unwritable_output, folder + ": is no folder");
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) throw Error(ErrorCode::unwritable_output, folder + ": cannot be written into: " + std::strerror(errno));
+  }
+}
+
 }  // namespace
 
 VolumeFormat volume_format(const std::string& path) {
@@ -81,6 +97,18 @@ void write_foam_case(const std::string& case_folder, const VolumeMesh& mesh, con
   if (!FoamFile::exists(case_folder + "/system/controlDict")) write_case_files(case_folder, mesh.mesh);
   for (const std::string& folder : later) remove_folder(folder);
   fresh.commit();
+}
+
+void require_writable(const std::string& path, const VolumeWriteOptions& options) {
+  if (volume_format(path) == VolumeFormat::cgns) require_cgns(path);
+  if (volume_format(path) != VolumeFormat::foam_case) {
+    const OutputFile probe(path, options.overwrite);
+    return;
+  }
+  const std::string poly_mesh = path + "/constant/polyMesh";
+  if (!options.overwrite) require_free(poly_mesh, later_meshes(path));
+  require_writable_folders(path);
+  const FolderSwap probe(poly_mesh);
 }
 
 void write_volume_mesh(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options, Progress& progress) {

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "burnish/octree/refine.h"
 #include "cell_scatter.h"
@@ -63,17 +64,37 @@ class RefineTol : public RefinementCriterion {
   double tolerance_;
 };
 
+class LevelsInBoxes : public RefinementCriterion {
+ public:
+  explicit LevelsInBoxes(std::vector<LevelInBox> boxes) : boxes_(std::move(boxes)) {}
+  std::string_view name() const override { return "boxes"; }
+  bool divides(const OctantFacets& octant) const override {
+    const double side = octant.cells_per_side * octant.cell();
+    return std::any_of(boxes_.begin(), boxes_.end(), [&](const LevelInBox& b) {
+      bool meets = octant.level > b.level;
+      for (int a = 0; a < 3; ++a) meets = meets && octant.corner[a] <= b.box.upper[a] && octant.corner[a] + side >= b.box.lower[a];
+      return meets;
+    });
+  }
+
+ private:
+  std::vector<LevelInBox> boxes_;
+};
+
 }  // namespace
 
 std::unique_ptr<RefinementCriterion> max_face_limit(std::uint32_t limit) { return std::make_unique<MaxFaceLimit>(limit); }
 std::unique_ptr<RefinementCriterion> max_face_cut(std::uint32_t limit) { return std::make_unique<MaxFaceCut>(limit); }
 std::unique_ptr<RefinementCriterion> refine_tol(double tolerance) { return std::make_unique<RefineTol>(tolerance); }
 
+std::unique_ptr<RefinementCriterion> levels_in_boxes(std::vector<LevelInBox> boxes) { return std::make_unique<LevelsInBoxes>(std::move(boxes)); }
+
 std::vector<std::unique_ptr<RefinementCriterion>> criteria_of(const RefinementLimits& limits) {
   std::vector<std::unique_ptr<RefinementCriterion>> criteria;
   if (limits.max_face_limit) criteria.push_back(max_face_limit(*limits.max_face_limit));
   if (limits.max_face_cut) criteria.push_back(max_face_cut(*limits.max_face_cut));
   if (limits.refine_tol) criteria.push_back(refine_tol(*limits.refine_tol));
+  if (!limits.boxes.empty()) criteria.push_back(levels_in_boxes(limits.boxes));
   return criteria;
 }
 

@@ -4,11 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
+#include <limits>
 #include <utility>
 
 #include "burnish/core/parallel.h"
-#include "burnish/io/output_file.h"
 #include "flow_mesh_cells.h"
 #include "flow_mesh_measure.h"
 #include "flow_mesh_patches.h"
@@ -20,6 +19,8 @@ namespace {
 constexpr double kSmallestGuess = 1.0 / 16;  // of the first guess at a cell, before it is given up
 constexpr double kRepairCell = 0.5;       // of a level set, in cells of the mesh
 constexpr double kCellsAcross = 4;        // of a wall's thickness, that a mesh shows well
+constexpr double kLeastRoom = 4;          // cells between the model and a side of the domain
+constexpr double kWithinRoom = 1 - 1e-9;  // against rounding
 constexpr double kBytesPerCell = 1000;    // of a mesh while it is made
 constexpr double kGigabyte = 0x1p30;
 
@@ -33,23 +34,8 @@ double sum_of_heights(int count, double ratio) {
 }
 
 std::string_view name(VolumeFormat format) {
-  constexpr std::string_view kNames[] = {"OpenFOAM case", "VTU", "Gmsh", "SU2"};
+  constexpr std::string_view kNames[] = {"OpenFOAM case", "VTU", "Gmsh", "SU2", "CGNS"};
   return kNames[static_cast<std::size_t>(format)];
-}
-
-// What a mesh would replace is known before it is made.
-void require_writable(const std::string& output, bool overwrite) {
-  namespace fs = std::filesystem;
-  if (volume_format(output) != VolumeFormat::foam_case) {
-    OutputFile probe(output, overwrite);
-    return;
-  }
-  std::error_code ignored;
-  for (const char* faces : {"faces", "faces.gz"}) {
-    const fs::path there = fs::path(output) / "constant" / "polyMesh" / faces;
-    if (!overwrite && fs::exists(there, ignored))
-      throw Error(ErrorCode::unwritable_output, fmt::format("{}: the case has a mesh already", there.parent_path().string()), "add --overwrite to replace it");
-  }
 }
 
 class FlowMeshRun {
@@ -64,7 +50,8 @@ class FlowMeshRun {
   }
 
   FlowMeshResult run() {
-    if (!job_.output.empty()) require_writable(job_.output, job_.write.overwrite);
+    if (!job_.output.empty()) require_writable(job_.output, job_.write);
+    require_one_type_each(job_.patch_types);
     if (repair() && mesh()) {
       measure();
       write();
@@ -173,7 +160,7 @@ class FlowMeshRun {
   }
 
   bool mesh() {
-    patches_ = surface_patches(surface_, job_.one_patch);
+    patches_ = surface_patches(surface_, job_.one_patch, job_.side);
     require_patches_of_types();
     return job_.cells ? mesh_of_number() : mesh_of_cell();
   }
@@ -197,10 +184,16 @@ class FlowMeshRun {
     CellChooser chooser(*job_.cells, result_.solid.area);
     result_.cell_was_chosen = true;
     double smaller = 1;
-    while (const std::optional<double> cell = chooser.next()) {
+    const double largest = largest_cell_of_domain();
+    while (const std::optional<double> next = chooser.next()) {
+      const double cell = std::min(*next * smaller, largest);
+      if (!chooser.trials().empty() && cell == chooser.trials().back().cell) {
+        result_.warnings.push_back(fmt::format("the domain is near the model: cells larger than {:.4g} have no room there, and with these there are more than {}", largest, *job_.cells));
+        break;
+      }
       flow_ = {};
-      if (mesh(*cell * smaller)) {
-        chooser.learn(*cell * smaller, flow_.mesh.cells());
+      if (mesh(cell)) {
+        chooser.learn(cell, flow_.mesh.cells());
         smaller = 1;
         continue;
       }
@@ -212,6 +205,15 @@ class FlowMeshRun {
     }
     result_.trials = chooser.trials();
     return true;
+  }
+
+  // Four of them fit between the model and the domain's nearest side. A domain that cuts the model is told of by the mesher.
+  double largest_cell_of_domain() const {
+    if (job_.side == MeshSide::inside) return std::numeric_limits<double>::infinity();
+    const Box3 box = domain();
+    const Vec3 below = result_.solid.box.lower - box.lower, above = box.upper - result_.solid.box.upper;
+    const double room = std::min({below.x, below.y, below.z, above.x, above.y, above.z});
+    return room > 0 ? kWithinRoom * room / kLeastRoom : std::numeric_limits<double>::infinity();
   }
 
   // So few cells hold nothing: the last mesh that there was counts.
@@ -256,21 +258,28 @@ class FlowMeshRun {
     MeshCost& cost = result_.cost;
     cost.cells_per_second = cost.seconds > 0 ? static_cast<double>(flow_.mesh.cells()) / cost.seconds : 0;
     set_patch_types(job_.patch_types, flow_.mesh.mesh.patches);
-    begin("measuring the quality");
-    tell_mesh(flow_, patches_, domain(), result_);
-    judge_quality(flow_.mesh, result_, progress_);
     begin("measuring distances");
+    tell_mesh(flow_, patches_, domain(), result_);
     compare_patches(flow_.mesh, patches_, surface_, result_);
+    begin("measuring the quality");
+    // What is judged is what is written.
+    std::vector<Vec3>& points = flow_.mesh.mesh.points;
+    if (job_.scale != 1) parallel_for(points.size(), [&](std::size_t p) { points[p] *= job_.scale; });
+    judge_quality(flow_.mesh, job_.scale, result_, progress_);
     if (!result_.good) result_.failure = reason_of_failure(result_);
   }
 
+  // What keeps the mesh from being written is told with the mesh: measuring it was not for nothing.
   void write() {
     if (job_.output.empty() || (result_.failure && !job_.allow_invalid)) return;
     begin("writing");
-    std::vector<Vec3>& points = flow_.mesh.mesh.points;
-    if (job_.scale != 1) parallel_for(points.size(), [&](std::size_t p) { points[p] *= job_.scale; });
-    write_volume_mesh(job_.output, flow_.mesh, job_.write, progress_);
-    result_.written = true;
+    try {
+      write_volume_mesh(job_.output, flow_.mesh, job_.write, progress_);
+      result_.written = true;
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::unwritable_output) throw;
+      result_.failure = error;
+    }
   }
 
   const FlowMeshJob& job_;

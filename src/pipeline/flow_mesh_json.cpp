@@ -90,6 +90,7 @@ Json mesh_of(const FlowMeshResult& r) {
           {"faces", q.faces},
           {"internal_faces", q.internal_faces},
           {"shapes", shapes_of(q)},
+          {"finest_cell", r.finest_cell},
           {"cells_of_level", Json(r.cells_of_level)},
           {"box", json_of(r.box)},
           {"volume", q.volume},

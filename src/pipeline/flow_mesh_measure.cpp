@@ -82,6 +82,26 @@ std::string text_of(const MeshCheck& check, const std::vector<BadPlace>& places)
   return fmt::format("{}: {}, the worst {:.4g}{}{}", check.name, check.failing, check.worst, at, listed > kPlacesOfMessage ? ", ..." : "");
 }
 
+// What is measured in lengths, areas or volumes: their power of a length.
+int dimension_of(std::string_view check) {
+  if (check == "edge length") return 1;
+  if (check == "face area") return 2;
+  return check == "cell volume" || check == "face pyramids" ? 3 : 0;
+}
+
+// From those of a mesh that is `scale` times as large.
+void to_model_units(double scale, MeshQuality& quality, std::vector<BadPlace>& places) {
+  const auto back = [&](double value, int dimension) {
+    for (; dimension > 0; --dimension) value /= scale;
+    return value;
+  };
+  quality.volume = back(quality.volume, 3);
+  for (double& v : quality.volume_of_shape) v = back(v, 3);
+  for (MeshCheck& c : quality.checks)
+    for (double* value : {&c.limit, &c.worst, &c.best, &c.mean}) *value = back(*value, dimension_of(c.name));
+  for (BadPlace& p : places) p.value = back(p.value, dimension_of(p.check)), p.at = p.at / scale;
+}
+
 bool counts(const MeshCheck& check, MeshFlavour flavour) { return !check.passed && (flavour == MeshFlavour::conforming || !check.all_geometry); }
 
 }  // namespace
@@ -89,6 +109,7 @@ bool counts(const MeshCheck& check, MeshFlavour flavour) { return !check.passed 
 void tell_mesh(const FlowMesh& flow, const SurfacePatches& patches, const Box3& domain, FlowMeshResult& result) {
   const PolyhedralMesh& mesh = flow.mesh.mesh;
   result.meshed = true;
+  result.finest_cell = 2 * flow.frame.cell;
   result.cells_of_level = flow.cells_of_level;
   result.moved_back = flow.moved_back;
   const LayerCoverage& layers = flow.layers;
@@ -103,11 +124,12 @@ void tell_mesh(const FlowMesh& flow, const SurfacePatches& patches, const Box3& 
   result.regions_wanted = outside ? 1 + solid.cavities : solid.components - solid.cavities;
 }
 
-void judge_quality(const VolumeMesh& mesh, FlowMeshResult& result, Progress& progress) {
+void judge_quality(const VolumeMesh& mesh, double scale, FlowMeshResult& result, Progress& progress) {
   result.quality = mesh_quality(mesh, {}, progress);
   const MeshQuality& q = result.quality;
   result.good = result.flavour == MeshFlavour::conforming ? q.ok : q.plain_ok;
   if (q.failed > 0) result.bad_places = places_of(mesh, q, bad_cells(mesh, failing_limits(), progress));
+  if (scale != 1) to_model_units(scale, result.quality, result.bad_places);
   if (q.regions != result.regions_wanted)
     result.warnings.push_back(fmt::format("the mesh has {} connected regions, and {} would be right: {}; a smaller --cell resolves more", q.regions, result.regions_wanted,
                                           q.regions < result.regions_wanted ? "a part is thinner than a cell, or two parts are closer" : "a part is pinched where it is thinner than a cell"));

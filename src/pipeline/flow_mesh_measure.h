@@ -10,8 +10,8 @@ namespace burnish {
 // Sizes, patches, the wanted volume and regions of a mesh of `result.solid`.
 void tell_mesh(const FlowMesh& mesh, const SurfacePatches& patches, const Box3& domain, FlowMeshResult& result);
 
-// Quality, whether it is what it has to be, and if not, where it fails.
-void judge_quality(const VolumeMesh& mesh, FlowMeshResult& result, Progress& progress);
+// Quality, whether it is what it has to be, and if not, where it fails. The mesh's coordinates are those of the model times `scale`; what is told is in the model's units.
+void judge_quality(const VolumeMesh& mesh, double scale, FlowMeshResult& result, Progress& progress);
 
 // Distances between the surface and the patches made for it, and what is lost of the surface.
 void compare_patches(const VolumeMesh& mesh, const SurfacePatches& patches, const TriangleSoup& surface, FlowMeshResult& result);

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <map>
 #include <span>
-#include <iterator>
 
 #include "burnish/core/error.h"
 #include "burnish/surface/weld.h"
@@ -17,13 +17,15 @@ constexpr std::string_view kNameless = "surface";
 
 }  // namespace
 
-SurfacePatches surface_patches(const TriangleSoup& soup, bool one) {
+SurfacePatches surface_patches(const TriangleSoup& soup, bool one, MeshSide side) {
   if (one || soup.groups.empty()) return {{}, {std::string(kNameless)}, {""}};
   SurfacePatches patches;
   patches.of_facet.resize(soup.facets.size());
   // The domain's names come first, so that no other gets one of them.
   std::vector<MeshPatch> named;
-  for (const std::string_view name : kDomainPatches) named.push_back({std::string(name), "patch"});
+  if (side == MeshSide::outside)
+    for (const std::string_view name : kDomainPatches) named.push_back({std::string(name), "patch"});
+  const auto sides = static_cast<std::ptrdiff_t>(named.size());
   for (const FacetGroup& group : soup.groups) {
     const auto first = patches.of_facet.begin() + group.first_facet;
     std::fill(first, first + group.facet_count, static_cast<std::uint32_t>(patches.groups.size()));
@@ -31,8 +33,15 @@ SurfacePatches surface_patches(const TriangleSoup& soup, bool one) {
     patches.groups.push_back(group.name);
   }
   patches.names = patch_names(named);
-  patches.names.erase(patches.names.begin(), patches.names.begin() + std::size(kDomainPatches));
+  patches.names.erase(patches.names.begin(), patches.names.begin() + sides);
   return patches;
+}
+
+void require_one_type_each(const std::vector<std::pair<std::string, std::string>>& types) {
+  std::map<std::string, std::string> type_of;
+  for (const auto& [name, type] : types)
+    if (const auto at = type_of.try_emplace(name, type).first; at->second != type)
+      throw Error(ErrorCode::usage, fmt::format("the patch {} is to be of two types, {} and {}", name, at->second, type), "give it one of the two");
 }
 
 void set_patch_types(const std::vector<std::pair<std::string, std::string>>& types, std::vector<MeshPatch>& patches) {

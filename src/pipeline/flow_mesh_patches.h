@@ -19,8 +19,11 @@ struct SurfacePatches {
   std::vector<std::string> groups;      // the names that they are made from
 };
 
-// One for each group of the soup, or one for all if it has none, or `one`. None is named like a side of a domain.
-SurfacePatches surface_patches(const TriangleSoup& soup, bool one);
+// One for each group of the soup, or one for all if it has none, or `one`. Of a mesh of the outside, none is named like a side of the domain.
+SurfacePatches surface_patches(const TriangleSoup& soup, bool one, MeshSide side);
+
+// Throws Error{usage} if a patch is given two different types.
+void require_one_type_each(const std::vector<std::pair<std::string, std::string>>& types);
 
 // Gives patches their types. Throws Error{usage} for a patch that does not exist, naming those that do.
 void set_patch_types(const std::vector<std::pair<std::string, std::string>>& types, std::vector<MeshPatch>& patches);

@@ -9,6 +9,7 @@
 #include "burnish/core/parallel.h"
 #include "burnish/core/scramble.h"
 #include "burnish/core/union_find.h"
+#include "numbering.h"
 
 namespace burnish {
 namespace {
@@ -27,6 +28,8 @@ class Assembly {
   explicit Assembly(const CellList& cells) : cells_(cells) {}
 
   VolumeMesh run(const std::vector<Vec3>& points, std::vector<std::uint32_t>* source) {
+    require_numbers(points.size(), "points");
+    require_numbers(count_half_faces(cells_), "faces of cells");
     number_points(points, source);
     list_half_faces();
     match();
@@ -178,6 +181,12 @@ class Assembly {
 };
 
 }  // namespace
+
+std::uint64_t count_half_faces(const CellList& cells) {
+  std::uint64_t count = 0;
+  for (std::size_t c = 0; c < cells.size(); ++c) count += cells.shape[c] == CellShape::polyhedron ? cells.corners[cells.first[c]] : faces_of_shape(cells.shape[c]).size();
+  return count;
+}
 
 VolumeMesh assemble(const std::vector<Vec3>& points, const CellList& cells, std::vector<std::uint32_t>* source) { return Assembly(cells).run(points, source); }
 

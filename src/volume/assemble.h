@@ -13,8 +13,11 @@ namespace burnish {
 
 // A mesh of these cells, in the order given, with the faces between them in upper triangular order; points that no cell uses are left out, the others come in the order in which cells
 // name them first. `source`, if given, gets the place in `points` of each of the mesh's points. All faces that one cell has alone are in one patch without a name.
-// Throws Error{bug} if a face has more than two cells. Linear but for sorting the faces at one point.
+// Throws Error: bug if a face has more than two cells; memory_limit for more points, or faces of cells (each inner one counts twice), than 32 bits number. Linear but for sorting the faces at one point.
 VolumeMesh assemble(const std::vector<Vec3>& points, const CellList& cells, std::vector<std::uint32_t>* source = nullptr);
+
+// Of all cells, those between two of them twice.
+std::uint64_t count_half_faces(const CellList& cells);
 
 // Sorts the boundary faces into patches, by owner in each: patch_of(face) is an index into `patches`, whose names and types stay.
 void sort_into_patches(VolumeMesh& mesh, std::vector<MeshPatch> patches, const std::vector<std::uint32_t>& patch_of);

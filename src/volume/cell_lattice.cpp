@@ -14,7 +14,7 @@ namespace {
 
 using Cells = std::vector<std::uint64_t>;  // interleaved positions in units of some level
 
-constexpr double kReach = 0.5;  // lattice units beyond the ball about a cell, within which it is one of the surface's
+constexpr double kReach = 0.5;  // cells of the level set beyond the ball about a cell, within which it is one of the surface's
 constexpr std::uint64_t kMostCells = std::uint64_t{1} << 31;
 
 constexpr int kPackedBits = 21;
@@ -36,27 +36,27 @@ struct SurfaceCell {
   std::uint64_t cell = 0;  // interleaved position in cells of some level
   Vec3 normal;             // of any length
 };
+bool before(const SurfaceCell& a, const SurfaceCell& b) { return a.cell < b.cell; }
 
-// Those of level 0, ascending.
-std::vector<SurfaceCell> surface_cells(const LevelSet& set) {
+// Appends those of a level, which are in the level set's leaves of that level, to those that come of smaller ones; all of them ascending.
+void append_surface_cells(const LevelSet& set, int level, std::vector<SurfaceCell>& found) {
   constexpr int kHalf = kBlockSide / 2;
-  std::vector<SurfaceCell> found;
+  const double reach = (std::numbers::sqrt3 + kReach) * static_cast<double>(1u << level);
   for (std::size_t leaf = 0; leaf < set.octree().size(); ++leaf) {
-    if (set.octree().level(leaf) != 0 || !set.grid.near_surface(leaf)) continue;
+    if (set.octree().level(leaf) != level || !set.grid.near_surface(leaf)) continue;
     const float* phi = set.phi.block(leaf);
-    const morton::Position block = set.octree().corner(leaf);
+    const morton::Position block = morton::deinterleave(morton::interleave(set.octree().corner(leaf)) >> 3 * level);
     for (int k = 0; k < kHalf; ++k)
       for (int j = 0; j < kHalf; ++j)
         for (int i = 0; i < kHalf; ++i) {
           const auto value = [&](int x, int y, int z) { return phi[node_index(2 * i + x, 2 * j + y, 2 * k + z)]; };
           const float centre = value(1, 1, 1);
-          if (std::abs(centre) > std::numbers::sqrt3 + kReach) continue;
+          if (std::abs(centre) > reach) continue;
           const auto at = [&](std::uint32_t c, int n) { return c * kHalf + static_cast<std::uint32_t>(n); };
           found.push_back({morton::interleave({at(block.x, i), at(block.y, j), at(block.z, k)}), {centre - value(0, 1, 1), centre - value(1, 0, 1), centre - value(1, 1, 0)}});
         }
   }
-  std::sort(found.begin(), found.end(), [](const SurfaceCell& a, const SurfaceCell& b) { return a.cell < b.cell; });
-  return found;
+  std::sort(found.begin(), found.end(), before);
 }
 
 Vec3 unit(const Vec3& n) { return norm(n) > 0 ? n / norm(n) : n; }
@@ -118,24 +118,20 @@ void append_parents(const Cells& cells, int rows, std::uint32_t side, Cells& par
   }
 }
 
-// Appends the octants of a level that meet a box, which is in finest cells.
-void append_box(const LatticeBox& box, int level, std::uint32_t side, Cells& octants) {
-  const auto first = [&](int a) { return static_cast<std::uint32_t>(std::clamp<std::int64_t>(box.lower[static_cast<std::size_t>(a)] >> level, 0, side - 1)); };
-  const auto last = [&](int a) { return static_cast<std::uint32_t>(std::clamp<std::int64_t>((box.upper[static_cast<std::size_t>(a)] - 1) >> level, 0, side - 1)); };
-  for (std::uint32_t z = first(2); z <= last(2); ++z)
-    for (std::uint32_t y = first(1); y <= last(1); ++y)
-      for (std::uint32_t x = first(0); x <= last(0); ++x) octants.push_back(morton::interleave({x, y, z}));
+void require_countable(double cells) {
+  if (cells > static_cast<double>(kMostCells)) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^31 cells", "choose a larger --cell, or larger cells in boxes");
 }
 
-// A box of the model in finest cells of the mesh.
-LatticeBox in_cells(const GridFrame& frame, const Box3& box) {
-  const Vec3 lower = frame.to_lattice(box.lower) / 2, upper = frame.to_lattice(box.upper) / 2;
-  LatticeBox cells;
-  for (int a = 0; a < 3; ++a) {
-    cells.lower[static_cast<std::size_t>(a)] = static_cast<std::int64_t>(std::floor(lower[a]));
-    cells.upper[static_cast<std::size_t>(a)] = static_cast<std::int64_t>(std::ceil(upper[a]));
-  }
-  return cells;
+// Appends the octants of a level that meet a box of the lattice.
+void append_box(const LatticeBox& box, int level, Cells& octants, Progress& progress) {
+  require_countable(8 * (static_cast<double>(octants.size()) + box.octants(level)));
+  const auto first = [&](std::size_t a) { return static_cast<std::uint32_t>(box.lower[a] >> level); };
+  const auto last = [&](std::size_t a) { return static_cast<std::uint32_t>((box.upper[a] - 1) >> level); };
+  for (std::uint32_t z = first(2); z <= last(2); ++z)
+    for (std::uint32_t y = first(1); y <= last(1); ++y) {
+      progress.check();
+      for (std::uint32_t x = first(0); x <= last(0); ++x) octants.push_back(morton::interleave({x, y, z}));
+    }
 }
 
 struct Edge12 {
@@ -162,8 +158,8 @@ constexpr int face_direction(int face) {
 
 }  // namespace
 
-CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region, Progress& progress) {
-  choose_cells(set, options, surface_level, region);
+CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, int surface_level, const LatticeBox& region, Progress& progress) {
+  choose_cells(set, options, refinements, surface_level, region, progress);
   progress.check();
   mark_existing(region);
   mark_splits();
@@ -172,31 +168,34 @@ CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, in
 }
 
 // [T-HEX-2]
-void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region) {
+void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, int surface_level, const LatticeBox& region, Progress& progress) {
   const int depth = set.frame.depth + 2;
   if (depth > morton::kMaxDepth) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^20 cells along a side", "choose a larger --cell");
   Cells keys, below;  // below: what has to be there at the level below
-  std::vector<SurfaceCell> surface = surface_cells(set);
+  std::vector<SurfaceCell> surface;
+  append_surface_cells(set, 0, surface);
   for (int level = 1; level <= depth; ++level) {
+    progress.check();
     const std::uint32_t side = 1u << (depth - level);
-    std::vector<SurfaceCell> flat;
-    if (level <= surface_level) flat = octants_of(surface);
-    else if (level <= surface_level + options.flat_levels) sort_out_flat(surface, side, std::cos(options.flat_angle * std::numbers::pi / 180), flat, below);
-    else
+    std::vector<SurfaceCell> larger;
+    if (level <= surface_level) {
+      larger = octants_of(surface);
+      append_surface_cells(set, level, larger);
+    } else if (level <= surface_level + options.flat_levels) {
+      sort_out_flat(surface, side, std::cos(options.flat_angle * std::numbers::pi / 180), larger, below);
+      for (const SurfaceCell& c : larger) keys.push_back(morton::key(c.cell, level));
+    } else {
       for (const SurfaceCell& c : surface) below.push_back(c.cell);
+    }
     Cells divided;
     append_parents(below, options.cells_between_levels, 2 * side, divided);
-    if (level >= surface_level)
-      for (const SurfaceCell& c : flat) keys.push_back(morton::key(c.cell, level));
-    surface = std::move(flat);
-    for (const MeshRefinement& r : options.refinements) {
-      const int wanted = std::max(0, surface_level + static_cast<int>(std::floor(std::log2(r.cell / options.cell) + 1e-9)));
-      if (wanted + 1 == level) append_box(in_cells(set.frame, r.box), level, side, divided);
-    }
-    if (level == surface_level + options.coarsest_level + 1) append_box(region, level, side, divided);
+    surface = std::move(larger);
+    for (const LatticeRefinement& r : refinements)
+      if (r.level + 1 == level) append_box(r.box, level, divided, progress);
+    if (level == surface_level + options.coarsest_level + 1) append_box(region, level, divided, progress);
     sort_unique(divided);
     for (const std::uint64_t octant : divided) keys.push_back(morton::key(octant << 3, level - 1));
-    if (keys.size() * 8 > kMostCells) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^31 cells", "choose a larger --cell");
+    require_countable(8 * static_cast<double>(keys.size()));
     below = std::move(divided);
   }
   tree_ = Octree::build_graded(depth, std::move(keys));
@@ -255,6 +254,11 @@ void CellLattice::mark_splits() {
       if (finer(cell, d[0], d[1], d[2])) split_faces_[cell] = static_cast<std::uint8_t>(split_faces_[cell] | 1u << f);
     }
   });
+}
+
+int CellLattice::level_at(const Vec3& p) const {
+  const auto place = [&](double x) { return static_cast<std::uint32_t>(std::clamp(x / 2, 0.0, static_cast<double>(tree_.side() - 1))); };
+  return tree_.level(tree_.find({place(p.x), place(p.y), place(p.z)}));
 }
 
 std::uint32_t CellLattice::find(std::uint64_t key) const {

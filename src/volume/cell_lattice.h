@@ -13,6 +13,7 @@
 #include "burnish/levelset/level_set.h"
 #include "burnish/octree/octree.h"
 #include "burnish/volume/flow_mesh.h"
+#include "mesh_refinement.h"
 
 namespace burnish {
 
@@ -20,11 +21,6 @@ inline constexpr std::uint32_t kNoNode = 0xffffffffu;
 
 // The corners of a face, anticlockwise seen from outside.
 inline constexpr std::array<std::array<int, 4>, 6> kFaceCorners{{{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4}, {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}}};
-
-// Which cells there are: in finest cells of the mesh, lower corner included, upper excluded.
-struct LatticeBox {
-  std::array<std::int64_t, 3> lower{}, upper{};
-};
 
 // A face's points: corners and the middles of edges that are divided, anticlockwise seen from outside. At most 8.
 struct FacePolygon {
@@ -36,12 +32,15 @@ struct FacePolygon {
 class CellLattice {
  public:
   // Cells of level `surface_level` wherever the surface passes, larger where it is flat and away from it, smaller in refinements, as the options say; `options.cell` is the side of such cells.
-  // `region`: what of the lattice is wanted.
-  CellLattice(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region, Progress& progress);
+  // `region`: what of the lattice is wanted. The level set's leaves at the surface are of level `surface_level` or below, and as fine as `level_set_boxes` says. Throws Error:
+  // memory_limit for more cells than 32 bits count, interrupted.
+  CellLattice(const LevelSet& set, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, int surface_level, const LatticeBox& region, Progress& progress);
 
   const Octree& tree() const { return tree_; }
   std::size_t cells() const { return tree_.size(); }
   bool exists(std::size_t cell) const { return exists_[cell] != 0; }
+  // Of the cell that holds a point of the lattice, in its units.
+  int level_at(const Vec3& p) const;
 
   // Nodes: corners first, then the centre of cell c at centre(c).
   std::size_t nodes() const { return keys_.size() + tree_.size(); }
@@ -64,7 +63,7 @@ class CellLattice {
   bool owns(std::size_t cell, int face) const;
 
  private:
-  void choose_cells(const LevelSet& set, const FlowMeshOptions& options, int surface_level, const LatticeBox& region);
+  void choose_cells(const LevelSet& set, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, int surface_level, const LatticeBox& region, Progress& progress);
   void mark_existing(const LatticeBox& region);
   void number_nodes();
   void mark_splits();

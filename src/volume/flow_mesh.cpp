@@ -19,6 +19,8 @@
 #include "burnish/levelset/from_triangles.h"
 #include "cell_lattice.h"
 #include "fit_boundary.h"
+#include "mesh_memory.h"
+#include "mesh_refinement.h"
 #include "stuffing.h"
 #include "wall_layers.h"
 
@@ -29,7 +31,6 @@ constexpr double kBand = 5;          // lattice units: the half diagonal of a ce
 constexpr double kDomainMargin = 4;  // between the band and the walls
 constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
 constexpr int kMostRefined = 5;      // levels below the cells at the surface
-constexpr double kBytesPerCell = 800, kBytesAtSurface = 9000;  // measured; the latter per square of a cell's side, where all of the surface has the finest cells
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
@@ -57,13 +58,12 @@ class FlowMesher {
 
   FlowMesh run() {
     choose_frame();
-    require_memory(kBytesAtSurface * area(surface_) / (4 * result_.frame.cell * result_.frame.cell));
+    require_memory(surface_, options_, refinements_, region_, surface_level_);
     progress_.begin_stage("distances and signs");
-    const LevelSet set = level_set_from_triangles(surface_, result_.frame, {.band = band(), .far_field = false}, progress_).level_set;
+    const LevelSet set = level_set_from_triangles(surface_, result_.frame, level_set_options(), progress_).level_set;
     progress_.begin_stage("cells");
-    const CellLattice lattice(set, options_, surface_level_, region_, progress_);
-    count_levels(lattice);
-    require_memory(kBytesPerCell * static_cast<double>(lattice.cells()));
+    const CellLattice lattice(set, options_, refinements_, surface_level_, region_, progress_);
+    require_memory(lattice.cells(), options_);
     refer();
     stuffed_ = stuff(lattice, set, options_.side == MeshSide::inside ? 1 : -1, options_.flavour, crease_target(), progress_);
     result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
@@ -72,13 +72,21 @@ class FlowMesher {
     fit();
     if (options_.layers.count > 0) grow_layers();
     name_patches();
+    count_levels(lattice);
     to_model();
     return std::move(result_);
   }
 
  private:
-  // The diagonal of the largest cells at the surface, and what may move.
-  double band() const { return std::max(kBand, std::sqrt(3.0) * (2 << (surface_level_ + options_.flat_levels)) + 1); }
+  // In cells of the level set's leaves, which may be of a level below the mesh's cells there: the diagonal of the largest of these, and what may move.
+  double band() const { return std::max(kBand, std::sqrt(3.0) * (2 << std::max(surface_level_ > 0 ? 1 : 0, options_.flat_levels)) + 1); }
+  // As fine as cells at the surface ask for, and finer in refinements alone.
+  LevelSetOptions level_set_options() const {
+    LevelSetOptions options{.band = band(), .far_field = false};
+    options.adaptivity.limits.coarsest_level = surface_level_;
+    options.adaptivity.limits.boxes = level_set_boxes(refinements_, options_.cells_between_levels, surface_level_);
+    return options;
+  }
   // Finest cells along a cell at the surface.
   double surface_cell() const { return static_cast<double>(1 << surface_level_); }
   bool outside() const { return options_.side == MeshSide::outside; }
@@ -92,12 +100,12 @@ class FlowMesher {
       limit_coarsest(body);
       box.extend(options_.domain);
     }
-    for (const MeshRefinement& r : options_.refinements) surface_level_ = std::max(surface_level_, static_cast<int>(std::ceil(std::log2(options_.cell / r.cell) - 1e-9)));
-    if (surface_level_ > kMostRefined) throw Error(ErrorCode::usage, fmt::format("a refinement asks for cells of less than 1/{} of those at the surface", 1 << kMostRefined), "choose a smaller --cell");
+    drop_refinements_beside(outside() ? options_.domain : body, options_.refinements, result_.notes);
+    surface_level_ = levels_below_surface(options_, kMostRefined);
     const int coarsest = surface_level_ + options_.coarsest_level;
     const double coarse = static_cast<double>(2 << coarsest);
-    result_.frame = make_frame(box, options_.cell / (2 * surface_cell()), outside() ? coarse + band() + kDomainMargin : band() + kDomainMargin);
-    body_ = {result_.frame.to_lattice(body.lower) - Vec3{4, 4, 4} * surface_cell(), result_.frame.to_lattice(body.upper) + Vec3{4, 4, 4} * surface_cell()};
+    const double reach = band() * surface_cell();
+    result_.frame = make_frame(box, options_.cell / (2 * surface_cell()), outside() ? coarse + reach + kDomainMargin : reach + kDomainMargin);
     const std::int64_t step = std::int64_t{1} << coarsest;
     const Box3& wanted = outside() ? options_.domain : box;
     const Vec3 lower = result_.frame.to_lattice(wanted.lower) / 2, upper = result_.frame.to_lattice(wanted.upper) / 2;
@@ -108,6 +116,19 @@ class FlowMesher {
       from = outside() ? rounded(lower[a], std::round) : std::max<std::int64_t>(0, rounded(lower[a] - kInsideRoom * surface_cell(), std::floor));
       to = outside() ? rounded(upper[a], std::round) : rounded(upper[a] + kInsideRoom * surface_cell(), std::ceil);
     }
+    choose_stretch(body);
+    refinements_ = on_lattice(options_, result_.frame, stretch_, region_, surface_level_);
+  }
+
+  // [T-HEX-8] Within two cells around the surface's box nothing is stretched.
+  void choose_stretch(const Box3& body) {
+    const Vec3 around = Vec3{4, 4, 4} * surface_cell();
+    stretch_.body = {result_.frame.to_lattice(body.lower) - around, result_.frame.to_lattice(body.upper) + around};
+    for (std::size_t a = 0; a < 3; ++a) {
+      stretch_.lattice.lower[static_cast<int>(a)] = 2.0 * static_cast<double>(region_.lower[a]);
+      stretch_.lattice.upper[static_cast<int>(a)] = 2.0 * static_cast<double>(region_.upper[a]);
+    }
+    stretch_.domain = outside() ? Box3{result_.frame.to_lattice(options_.domain.lower), result_.frame.to_lattice(options_.domain.upper)} : stretch_.lattice;
   }
 
   void limit_coarsest(const Box3& body) {
@@ -120,18 +141,18 @@ class FlowMesher {
     options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom))), 0, options_.coarsest_level);
   }
 
-  void require_memory(double bytes) const {
-    if (bytes <= static_cast<double>(options_.memory_bytes)) return;
-    throw Error(ErrorCode::memory_limit, fmt::format("a mesh with cells of {:.4g} takes about {:.1f} GB; the budget is {:.1f} GB", options_.cell, bytes * 0x1p-30, static_cast<double>(options_.memory_bytes) * 0x1p-30),
-                "choose a larger --cell, or raise --memory");
-  }
-
+  // By the lattice's cell that the mean of their corners lies in.
   void count_levels(const CellLattice& lattice) {
-    for (std::size_t c = 0; c < lattice.cells(); ++c) {
-      if (!lattice.exists(c)) continue;
-      const auto level = static_cast<std::size_t>(lattice.tree().level(c));
-      if (result_.cells_of_level.size() <= level) result_.cells_of_level.resize(level + 1, 0);
-      ++result_.cells_of_level[level];
+    const VolumeMesh& volume = result_.mesh;
+    std::vector<std::uint8_t> level(volume.cells());
+    parallel_for(level.size(), [&](std::size_t c) {
+      Vec3 sum;
+      for (const std::uint32_t p : volume.cell(c)) sum += volume.mesh.points[p];
+      level[c] = static_cast<std::uint8_t>(lattice.level_at(sum / static_cast<double>(volume.cell(c).size())));
+    });
+    for (const std::uint8_t l : level) {
+      if (result_.cells_of_level.size() <= l) result_.cells_of_level.resize(l + 1u, 0);
+      ++result_.cells_of_level[l];
     }
   }
 
@@ -230,38 +251,32 @@ class FlowMesher {
   }
 
   std::uint32_t nearest_facet(std::size_t face) const {
-    const ReferenceSurface::Foot foot = reference_->closest(face_middle(result_.mesh.mesh, face), 4 * surface_cell(), {});
-    return foot.found() ? foot.facet : 0;
+    // However far: points that were moved back, and large cells where the surface is flat, may be cells off it.
+    const ReferenceSurface::Foot foot = reference_->closest(face_middle(result_.mesh.mesh, face), std::numeric_limits<double>::infinity(), {});
+    if (!foot.found()) throw Error(ErrorCode::bug, "a face of the volume mesh has no nearest facet");
+    return foot.facet;
   }
 
   // The side of the domain that a face lies on.
   std::uint32_t side_of(std::size_t face) const {
     const Vec3 m = face_middle(result_.mesh.mesh, face);
     for (int a = 0; outside() && a < 3; ++a) {
-      if (m[a] == 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)])) return static_cast<std::uint32_t>(2 * a);
-      if (m[a] == 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)])) return static_cast<std::uint32_t>(2 * a + 1);
+      if (m[a] == stretch_.lattice.lower[a]) return static_cast<std::uint32_t>(2 * a);
+      if (m[a] == stretch_.lattice.upper[a]) return static_cast<std::uint32_t>(2 * a + 1);
     }
     throw Error(ErrorCode::bug, "a face of the volume mesh is neither on the surface nor on a side of the domain");
   }
 
-  // [T-HEX-8] Beyond the surface's box the lattice is stretched so that the domain's sides come to lie exactly where they were asked for.
+  // Sides of the domain to the bit.
   void to_model() {
     auto& points = result_.mesh.mesh.points;
-    const Vec3 lower = result_.frame.to_lattice(options_.domain.lower), upper = result_.frame.to_lattice(options_.domain.upper);
     parallel_for(points.size(), [&](std::size_t i) {
       const Vec3 q = points[i];
-      Vec3 r = q;
-      if (outside())
-        for (int a = 0; a < 3; ++a) {
-          const double low = 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)]), high = 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)]);
-          if (q[a] < body_.lower[a]) r[a] = body_.lower[a] - (body_.lower[a] - q[a]) * (body_.lower[a] - lower[a]) / (body_.lower[a] - low);
-          if (q[a] > body_.upper[a]) r[a] = body_.upper[a] + (q[a] - body_.upper[a]) * (upper[a] - body_.upper[a]) / (high - body_.upper[a]);
-        }
-      points[i] = result_.frame.to_model(r);
+      points[i] = result_.frame.to_model(outside() ? stretch_.to_domain(q) : q);
       if (!outside()) return;
       for (int a = 0; a < 3; ++a) {
-        if (q[a] == 2.0 * static_cast<double>(region_.lower[static_cast<std::size_t>(a)])) points[i][a] = options_.domain.lower[a];
-        if (q[a] == 2.0 * static_cast<double>(region_.upper[static_cast<std::size_t>(a)])) points[i][a] = options_.domain.upper[a];
+        if (q[a] == stretch_.lattice.lower[a]) points[i][a] = options_.domain.lower[a];
+        if (q[a] == stretch_.lattice.upper[a]) points[i][a] = options_.domain.upper[a];
       }
     });
   }
@@ -271,7 +286,8 @@ class FlowMesher {
   const std::vector<std::string>& patch_names_;
   FlowMeshOptions options_;
   int surface_level_ = 0;  // of cells at the surface; refinements are below
-  Box3 body_;  // the surface's box and two cells around it, in lattice units
+  DomainStretch stretch_;
+  std::vector<LatticeRefinement> refinements_;
   Progress& progress_;
   LatticeBox region_;
   StuffedCells stuffed_;

@@ -5,6 +5,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "numbering.h"
 
 namespace burnish {
 namespace {
@@ -168,6 +169,7 @@ class Stuffing {
 
   void place_cuts() {
     const std::size_t nodes = lattice_.nodes();
+    require_numbers(nodes + cuts_.size(), "points");
     result_.points.resize(nodes + cuts_.size());
     result_.on_surface.assign(result_.points.size(), 0);
     for (std::size_t i = 0; i < nodes; ++i) result_.on_surface[i] = nodes_.sign(i) == 0;

@@ -108,6 +108,10 @@ def wrong_command_lines_are_told_apart(box):
     refused(2, "--msh-version is for a .msh", "cube.stl", "-o", "x.vtu", "--msh-version", "2.2")
     refused(2, "the suffix does not say", "cube.stl", "-o", "x.stl")
     refused(2, "standard output", "cube.stl", "-o", "-")
+    refused(2, "cube is to be of two types, patch and wall", "cube.stl", "-o", "case", "--patch-type", "cube=patch,cube=wall")
+    refused(2, r"the box \(0, 0, 0\) to \(1, 1, 1\) is to have cells of 0.001", "cube.stl", "-o", "case", *COARSE, "--refine", "0,0,0,1,1,1:0.001")
+    refused(6, r"cells of 0.001 has about \S+ cells and takes about \S+ GB; the budget is 1 GB\n  hint: choose --cell 0.0\d+ or larger", "cube.stl", "-o", "case", "--cell", "0.001", "--memory", "1G")
+    refused(4, "cube.stl", "cube.stl", "-o", "cube.stl/case")
     refused(3, "", "text.stl", "-o", "case")
     refused(5, "burnish: ", "triangle.stl", "-o", "case")
     refused(6, "need about .* GB; the budget is", "cube.stl", "-o", "case", "--cells", "20M", "--memory", "1G")
@@ -164,6 +168,26 @@ def reports_are_one(box):
     printed = json.loads(run.out)
     expect(printed == json.loads(box.read("r.json")) and printed["quality"] == json.loads(box.read("q.json")), "reports differ")
     box.expect_files(["q.json", "r.json"])
+
+
+@scenario("mesh")
+def reports_may_lie_in_the_case(box):
+    box.succeed(["mesh", "cube.stl", "-o", "runs/hh", "--report", "runs/hh/report.json", "--quality", "runs/hh/log/q.json", "-q", *COARSE])
+    expect(json.loads(box.read("runs/hh/report.json"))["output"]["written"], "not written")
+    expect(json.loads(box.read("runs/hh/log/q.json"))["ok"] and (box.folder / "runs/hh/constant/polyMesh/faces").exists(), "no mesh")
+    # What fails before there is a report leaves no folders either.
+    run = box.run(["mesh", "text.stl", "-o", "other/hh", "--report", "other/hh/report.json", *COARSE])
+    expect(run.code == 3 and not (box.folder / "other").exists(), run.messages())
+
+
+@scenario("mesh")
+def sizes_begin_with_the_finest(box):
+    m = mesh(box, "cube.stl", "--dry-run", "--refine", "0,0,0,0.3,0.3,0.3:0.25h", *COARSE)["mesh"]
+    expect(m["cell"] == 0.125 and abs(m["finest_cell"] - 0.03125) < 1e-12, f"{m['cell']}, {m['finest_cell']}")
+    expect(sum(m["cells_of_level"]) == m["cells"] and m["cells_of_level"][0] > 0, f"{m['cells_of_level']} of {m['cells']}")
+    run = box.run(["mesh", "cube.stl", "--dry-run", "--refine", "3,3,3,4,4,4:0.25h", *COARSE])
+    expect(run.code == 0, run.messages())
+    expect_match(r"the box \(3, 3, 3\) to \(4, 4, 4\) .* lies beside what is meshed", run.messages(), "a box beside the model")
 
 
 @scenario("mesh")

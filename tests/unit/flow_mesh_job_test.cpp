@@ -3,9 +3,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <numbers>
 #include <set>
+#include <string>
 
 #include "burnish/io/foam_case.h"
 #include "flow_mesh_cells.h"
@@ -136,6 +141,106 @@ TEST(FlowMeshJob, ScalesWhatIsWritten) {
   for (std::size_t p = 0; p < small.mesh.points.size(); ++p) EXPECT_EQ(small.mesh.points[p], whole.mesh.points[p] * 0.001);
 }
 
+// Told in the model's units, whatever the scale.
+TEST(FlowMeshJob, JudgesWhatIsWritten) {
+  Fixture f;
+  f.job.output.clear();
+  const FlowMeshResult one = flow_mesh(f.job);
+  f.job.scale = 1000;
+  const FlowMeshResult large = flow_mesh(f.job);
+  EXPECT_TRUE(large.good);
+  EXPECT_NEAR(large.quality.volume, one.quality.volume, 1e-12 * one.quality.volume);
+  for (const MeshCheck& c : one.quality.checks) {
+    const MeshCheck& same = large.quality.check(c.name);
+    EXPECT_EQ(same.failing, c.failing) << c.name;
+    EXPECT_NEAR(same.worst, c.worst, 1e-6 * std::abs(c.worst) + 1e-12) << c.name;
+  }
+  // Volumes that no double holds: a mesh that would be read back as flat.
+  f.job.scale = 1e-110;
+  f.job.output = f.folder.path("case");
+  const FlowMeshResult none = flow_mesh(f.job);
+  ASSERT_TRUE(none.failure);
+  EXPECT_EQ(none.failure->code(), ErrorCode::guarantee_unmet);
+  EXPECT_FALSE(none.written || f.folder.has("case"));
+}
+
+// Tells which stages began, and does something at the beginning of one.
+class AtStage : public Progress {
+ public:
+  explicit AtStage(std::string stage = {}, std::function<void()> act = {}) : stage_(std::move(stage)), act_(std::move(act)) {}
+  void begin_stage(std::string_view name) override {
+    stages.insert(std::string(name));
+    if (name == stage_) act_();
+  }
+  std::set<std::string> stages;
+
+ private:
+  std::string stage_;
+  std::function<void()> act_;
+};
+
+TEST(FlowMeshJob, WhatCannotBeWrittenIsKnownBeforeTheWork) {
+  namespace fs = std::filesystem;
+  Fixture f;
+  std::ofstream(f.folder.path("file")) << "mine";
+  fs::create_directories(f.folder.path("old/constant/polyMesh"));
+  std::ofstream(f.folder.path("old/constant/polyMesh/cellZones")) << "of a mesh";
+  fs::create_directories(f.folder.path("odd"));
+  std::ofstream(f.folder.path("odd/system")) << "no folder";
+  for (const char* output : {"file/case", "missing/mesh.vtu", "old", "odd"}) {
+    f.job.output = f.folder.path(output);
+    AtStage progress;
+    try {
+      flow_mesh(f.job, progress);
+      ADD_FAILURE() << output;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.code(), ErrorCode::unwritable_output) << e.what();
+    }
+    EXPECT_FALSE(progress.stages.contains("meshing")) << output;
+  }
+  EXPECT_FALSE(f.folder.has("missing"));
+}
+
+TEST(FlowMeshJob, AMeshThatCannotBeWrittenIsToldAllTheSame) {
+  Fixture f;
+  AtStage progress("writing", [&] { std::ofstream(f.folder.path("case")) << "somebody was faster"; });
+  const FlowMeshResult result = flow_mesh(f.job, progress);
+  ASSERT_TRUE(result.failure);
+  EXPECT_EQ(result.failure->code(), ErrorCode::unwritable_output);
+  EXPECT_TRUE(result.meshed && result.good && !result.written);
+  EXPECT_GT(result.quality.cells, 0u);
+}
+
+// The first, small mesh would have cells that have no room between model and domain.
+TEST(FlowMeshJob, ANumberOfCellsInANarrowDomain) {
+  Fixture f;
+  f.job.output.clear();
+  f.job.side = MeshSide::outside;
+  f.job.domain.margin = Length{0.14, LengthUnit::model};
+  f.job.cell.reset();
+  f.job.cells = 5000;
+  const FlowMeshResult few = flow_mesh(f.job);
+  ASSERT_TRUE(few.meshed);
+  EXPECT_NEAR(few.cell, 0.035, 1e-6);
+  EXPECT_EQ(few.trials.size(), 1u);
+  EXPECT_TRUE(std::any_of(few.warnings.begin(), few.warnings.end(), [](const std::string& w) { return w.find("have no room") != w.npos; }));
+  f.job.cells = few.quality.cells * 2;
+  const FlowMeshResult more = flow_mesh(f.job);
+  EXPECT_NEAR(static_cast<double>(more.quality.cells) / static_cast<double>(*f.job.cells), 1, 0.15);
+}
+
+TEST(FlowMeshJob, SizesAreThoseOfTheFinestCells) {
+  Fixture f;
+  f.job.output.clear();
+  f.job.refinements = {{{{0.5, -0.1, -0.1}, {0.7, 0.1, 0.1}}, Length{0.25 * kCell, LengthUnit::model}}};
+  const FlowMeshResult result = flow_mesh(f.job);
+  EXPECT_DOUBLE_EQ(result.cell, kCell);
+  EXPECT_NEAR(result.finest_cell, 0.25 * kCell, 1e-12);
+  std::uint64_t sum = 0;
+  for (const std::uint64_t n : result.cells_of_level) sum += n;
+  EXPECT_EQ(sum, result.quality.cells);
+}
+
 // A level set is only as fine as the mesh asks for.
 TEST(FlowMeshJob, TheLevelSetFollowsTheCell) {
   Fixture f;
@@ -150,11 +255,13 @@ TEST(FlowMeshPatches, AreTheGroups) {
   TriangleSoup soup = cube();
   ASSERT_EQ(soup.facets.size(), 12u);
   soup.groups = {{"in let", 0, 4}, {"xMin", 4, 2}, {"in;let", 6, 4}, {"", 10, 2}};
-  const SurfacePatches patches = surface_patches(soup, false);
+  const SurfacePatches patches = surface_patches(soup, false, MeshSide::outside);
   EXPECT_EQ(patches.names, (std::vector<std::string>{"in_let", "xMin_2", "in_let_2", "surface"}));
   EXPECT_EQ(patches.groups, (std::vector<std::string>{"in let", "xMin", "in;let", ""}));
   EXPECT_EQ(patches.of_facet, (std::vector<std::uint32_t>{0, 0, 0, 0, 1, 1, 2, 2, 2, 2, 3, 3}));
-  const SurfacePatches one = surface_patches(soup, true);
+  // Inside there are no sides of a domain to be taken for.
+  EXPECT_EQ(surface_patches(soup, false, MeshSide::inside).names, (std::vector<std::string>{"in_let", "xMin", "in_let_2", "surface"}));
+  const SurfacePatches one = surface_patches(soup, true, MeshSide::inside);
   EXPECT_EQ(one.names, std::vector<std::string>{"surface"});
   EXPECT_TRUE(one.of_facet.empty());
 }
@@ -165,6 +272,18 @@ TEST(FlowMeshPatches, TypesAreForPatchesThatExist) {
   EXPECT_EQ(patches[0].type, "wall");
   EXPECT_EQ(patches[1].type, "patch");
   EXPECT_THROW(set_patch_types({{"c", "patch"}}, patches), Error);
+}
+
+TEST(FlowMeshPatches, AreOfOneTypeEach) {
+  require_one_type_each({{"a", "wall"}, {"b", "patch"}, {"a", "wall"}});
+  try {
+    require_one_type_each({{"inlet", "patch"}, {"b", "patch"}, {"inlet", "symmetry"}});
+    ADD_FAILURE() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.code(), ErrorCode::usage);
+    const std::string what = e.what();
+    for (const char* word : {"inlet", "patch", "symmetry"}) EXPECT_NE(what.find(word), what.npos) << what;
+  }
 }
 
 // A mesh whose number of cells goes as a A / h^2 + b / h^3.

@@ -309,6 +309,37 @@ void expect_mixed_cells(const test::ElementMesh& read, const VolumeMesh& mesh) {
   EXPECT_NEAR(areas["xMax"].x, 0.7 * 1.1, 1e-12);
 }
 
+// "wall" is OpenFOAM's group of all walls, "fluid" what the cells of a .msh are called.
+TEST(VolumeFiles, PatchesDoNotTakeNamesOfGroups) {
+  const Folder folder;
+  VolumeMesh mesh = mixed_cells(false);
+  mesh.mesh.patches[0].name = "wall", mesh.mesh.patches[0].type = "patch";
+  mesh.mesh.patches[3].name = "fluid";
+  write_volume_mesh(folder.path("case"), mesh);
+  const FoamMesh read = read_foam_mesh(folder.path("case"));
+  EXPECT_EQ(read.mesh.patches[0].name, "wall_2");
+  EXPECT_EQ(read.mesh.patches[3].name, "fluid");
+  for (const int version : {22, 41}) {
+    write_msh(folder.path("a.msh"), mesh, {.msh_version = version});
+    const std::string bytes = folder.bytes("a.msh"), names = bytes.substr(0, bytes.find("$EndPhysicalNames"));
+    EXPECT_TRUE(contains(names, "2 1 \"wall_2\"") && contains(names, "2 4 \"fluid\"") && contains(names, "3 5 \"fluid_2\"")) << names;
+  }
+}
+
+TEST(VolumeFiles, RequiredToBeWritableLeaveNothing) {
+  const Folder folder;
+  for (const char* name : {"new/case", "a.vtu", "a.msh"}) require_writable(folder.path(name));
+  EXPECT_EQ(folder.file_count(), 0);
+  put(folder.path("file"), "mine");
+  for (const char* name : {"file/case", "no/a.vtu"}) message_of([&] { require_writable(folder.path(name)); }, ErrorCode::unwritable_output);
+  write_volume_mesh(folder.path("case"), mixed_cells(false));
+  const auto before = contents(folder.path("case"));
+  require_writable(folder.path("case"), {.overwrite = true});
+  const std::string message = message_of([&] { require_writable(folder.path("case"), {.overwrite = false}); }, ErrorCode::unwritable_output);
+  EXPECT_TRUE(contains(message, "--overwrite")) << message;
+  EXPECT_EQ(contents(folder.path("case")), before);
+}
+
 TEST(Su2, IsReadBack) {
   const Folder folder;
   const VolumeMesh mesh = with_long_digits(mixed_cells(false));

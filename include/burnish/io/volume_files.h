@@ -4,7 +4,7 @@
 // the same double back. Same bytes for any number of threads (CGNS apart).
 //
 // Names of patches are written as words that all formats take: letters, digits, _ - + . stay (and what is not ASCII), other characters become '_', a '_' comes before a
-// first one that is no letter, and of equal names all but the first end in _2, _3, ...
+// first one that is no letter, and of equal names all but the first end in _2, _3, ... A patch "wall" becomes "wall_2": OpenFOAM calls the group of all walls so.
 //
 // Cost is given for a million hexahedra: CPU seconds, memory beyond that of the mesh (160 MB), bytes of the files.
 #pragma once
@@ -52,18 +52,23 @@ void write_foam_case(const std::string& case_folder, const VolumeMesh& mesh, con
 void write_vtu(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
 
 // Version 4.1 in binary; version 2.2 in text, for older readers (gmshToFoam reads that alone). Physical groups: one for each patch that has faces, numbered as the patches are from 1 on, and
-// "fluid" for the cells. Throws Error{usage} for a mesh with polyhedra. Cost: 0.1 s in binary, 0.3 s in text; less than 1 MB; 103 and 114 MB.
+// "fluid" for the cells ("fluid_2" beside a patch "fluid"). Throws Error{usage} for a mesh with polyhedra. Cost: 0.1 s in binary, 0.3 s in text; less than 1 MB; 103 and 114 MB.
 void write_msh(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
 
 // Text; one marker for each patch. Throws Error{usage} for a mesh with polyhedra. Cost: 0.5 s, less than 1 MB, 95 MB.
 void write_su2(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
 
-// Whether this build can write .cgns.
+// Whether this build can write .cgns, and Error{usage} naming the path if it cannot.
 bool has_cgns();
+void require_cgns(const std::string& path);
 // CGNS 3.4 in HDF5: a base, an unstructured zone, coordinates as doubles; sections of tetrahedra, pyramids, prisms and hexahedra, then of each patch with faces, NAME_Tri and NAME_Quad, with a boundary condition and a family
 // NAME (BCWall, BCSymmetryPlane, or BCTypeUserDefined for what flow passes). Names are cut to 27 bytes, as nodes have 32, and end in _2, _3, ... where they would be the same. No units.
 // Throws Error{usage} for a mesh with polyhedra, for one of more than 2^31 corners of one shape (where the library counts in 32 bits), and in a build without the library. Twice the file's room on disk while it is written. HDF5 records times: the bytes are not those of the run before.
 void write_cgns(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
+
+// What write_volume_mesh would throw for this path, as far as it can be known before there is a mesh: Error{unwritable_output} for a folder that is missing, not writable or no folder,
+// and, unless `overwrite`, for what is there already; Error{usage} for a suffix of no format. Leaves nothing behind.
+void require_writable(const std::string& path, const VolumeWriteOptions& options = {});
 
 // The one of the above that the path asks for.
 void write_volume_mesh(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());

@@ -40,7 +40,7 @@ struct Adaptivity {
   std::optional<double> tolerance;
   RefinementLimits limits;  // the thesis' criteria, and the coarsest level; the band is that of the level set
 
-  bool wanted() const { return tolerance || limits.max_face_limit || limits.max_face_cut || limits.refine_tol; }
+  bool wanted() const { return tolerance || limits.max_face_limit || limits.max_face_cut || limits.refine_tol || !limits.boxes.empty(); }
 };
 
 struct LevelSetOptions {

@@ -59,6 +59,14 @@ std::unique_ptr<RefinementCriterion> max_face_cut(std::uint32_t limit);
 // the wrong way round). Facets with an edge of length 0 do not count.
 std::unique_ptr<RefinementCriterion> refine_tol(double tolerance);
 
+// Octants that meet the box (closed, in lattice units) are at most of this level.
+struct LevelInBox {
+  Box3 box;
+  int level = 0;
+};
+// The octant meets one of the boxes, and is of a higher level than that one's. Named "boxes".
+std::unique_ptr<RefinementCriterion> levels_in_boxes(std::vector<LevelInBox> boxes);
+
 struct GrowthOptions {
   int cells_per_side = kBlockSide;  // or 1
   int coarsest_level = 0;           // of octants that meet the surface's band; 0: the uniform finest band
@@ -105,6 +113,7 @@ struct RefinementLimits {
   std::optional<double> refine_tol;
   int coarsest_level = 0;  // cells that a facet cuts are at most 2^coarsest_level finest cells wide
   double band = 0;         // 0: cells list the facets that cut them, nothing else
+  std::vector<LevelInBox> boxes = {};
 };
 
 // The criteria that the limits ask for, in the order of their members.

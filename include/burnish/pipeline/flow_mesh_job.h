@@ -137,7 +137,8 @@ struct FlowMeshResult {
   std::optional<std::uint64_t> cells_wanted;
   std::vector<MeshTrial> trials;
   Box3 box;                               // of the mesh
-  std::vector<std::uint64_t> cells_of_level;  // finest first
+  double finest_cell = 0;                 // side; below `cell` where refinements are
+  std::vector<std::uint64_t> cells_of_level;  // cells by size: finest_cell first, each twice the one before (see FlowMesh)
   std::uint64_t moved_back = 0;           // boundary points that quality kept from their place on the surface
   double smallest_cell = 0, largest_cell = 0;  // volumes
   MeshedLayers layers;
@@ -159,12 +160,15 @@ struct FlowMeshResult {
 // comes back as `failure` (guarantee_unmet) that names checks and places, and is not written, unless `allow_invalid`.
 //
 // **Patches.** One for each group of the file that has facets in the repaired surface, its name made a word of OpenFOAM, unique among all; facets of the repair take the
-// group of the nearest one. Outside, the domain's sides are xMin, xMax, yMin, yMax, zMin, zMax.
+// group of the nearest one. Outside, the domain's sides alone are xMin, xMax, yMin, yMax, zMin, zMax.
 //
-// **Cells.** A number of cells is met within 10 % in three meshes at most, the first a smaller one; the last one counts, whatever it has.
+// **Cells.** A number of cells is met within 10 % in three meshes at most, the first a smaller one; the last one counts, whatever it has. Cells are no larger than the domain has room for.
 //
-// Same bits for any number of threads. An input that bounds no solid, and a cell that is too large for any of it, come back as `failure` as well. Throws
-// Error as `clean` does; Error{usage} for a domain that does not hold the model, and for the type of a patch that does not exist.
+// **Scale.** What is judged is what is written, scaled coordinates and all; what is told of it is in the model's units.
+//
+// Same bits for any number of threads. An input that bounds no solid, a cell that is too large for any of it, and a finished mesh that cannot be written come back as `failure` as well.
+// Throws Error as `clean` does, Error{unwritable_output} before the work as far as that can be known then; Error{usage} for a domain that does not hold the model, for the type of a patch that
+// does not exist, and for two types of one patch.
 FlowMeshResult flow_mesh(const FlowMeshJob& job, Progress& progress = no_progress());
 
 // The result as JSON text, as docs/mesh.schema.json says: what `burnish mesh --json` prints.

@@ -30,8 +30,8 @@ enum class MeshFlavour : std::uint8_t {
 };
 
 struct MeshRefinement {
-  Box3 box;
-  double cell = 0;  // the longest side of cells that meet the box
+  Box3 box;         // one that misses what is meshed has no effect, and is noted
+  double cell = 0;  // the longest side of cells that meet the box; at least 1/32 of those at the surface
 };
 
 // Layers of flat cells at the wall: heights first, first * ratio, first * ratio^2 ... from the wall inwards.
@@ -66,7 +66,7 @@ struct LayerCoverage {
 struct FlowMesh {
   VolumeMesh mesh;
   GridFrame frame;                       // its lattice: cells of the finest level have side 2
-  std::vector<std::uint64_t> cells_of_level;
+  std::vector<std::uint64_t> cells_of_level;  // cells of the mesh by the size of the lattice's cell that they lie in, the finest first: of side 2 frame.cell, each twice the one before
   std::uint64_t crease_points = 0;       // boundary points on creases and corners of the surface
   std::uint64_t moved_back = 0;          // boundary points that quality kept from their place on the surface
   LayerCoverage layers;                  // in the surface's units
@@ -75,7 +75,7 @@ struct FlowMesh {
 
 // `surface`: closed, oriented outwards, without intersections, in model units. `patch_of_facet`: index into `patch_names` for each of its facets (empty: one
 // patch, patch_names[0] or "surface"). Patches of the mesh: those names (type wall), which no face need have; in that order; outside also kDomainPatches (type patch).
-// Same bits for any number of threads. Throws Error: memory_limit; usage for a domain too small; guarantee_unmet where nothing of the side holds a cell; interrupted.
+// Same bits for any number of threads. Throws Error: memory_limit; usage for a domain too small and for a refinement too fine; guarantee_unmet where nothing of the side holds a cell; interrupted.
 // 9 us a cell (of one CPU; 0.1 M cells a second), 0.8 kB a cell.
 FlowMesh flow_mesh(const TriangleSoup& surface, const std::vector<std::uint32_t>& patch_of_facet, const std::vector<std::string>& patch_names, const FlowMeshOptions& options,
                    Progress& progress = no_progress());
