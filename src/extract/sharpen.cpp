@@ -76,6 +76,7 @@ Sharpening::Sharpening(const TriangleSoup& m, const ReferenceSurface& s, const s
                        Progress& progress)
     : state_(std::make_unique<SharpeningState>()) {
   progress.check();
+  state_->written = options.written;
   SharpenMesh& mesh = state_->mesh = with_feet(m, s, stays, options.reach);
   progress.check();
   if (s.has_creases()) {

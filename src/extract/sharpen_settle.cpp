@@ -17,6 +17,7 @@ namespace {
 constexpr int kMostRounds = 24;
 constexpr double kFar = 0.2;      // cells: points that have moved less are not suspected at first
 constexpr std::uint8_t kOnM = 3;  // steps back
+constexpr std::size_t kMany = 3;   // one facet of so many
 
 using Indices = std::vector<std::uint32_t>;
 using Pairs = std::vector<std::array<std::uint32_t, 2>>;  // of facets
@@ -30,7 +31,11 @@ void make_unique(Indices& indices) {
 
 class Settler {
  public:
-  explicit Settler(detail::SharpeningState& state) : mesh_(state.mesh), points_(state.points), steps_(state.steps_back), before_(state.before), edits_(state.edits) {}
+  explicit Settler(detail::SharpeningState& state)
+      : state_(state), mesh_(state.mesh), points_(state.points), steps_(state.steps_back), before_(state.before), edits_(state.edits) {
+    written_.points.resize(points_.size());
+    parallel_for(points_.size(), [&](std::size_t p) { written_.points[p] = written(points_[p]); });
+  }
 
   Indices run(Progress& progress) { return run(suspects(), progress); }
 
@@ -75,9 +80,12 @@ class Settler {
     return changed;
   }
 
-  Indices misnested() const {
+  // The surface is a 2-manifold: if it is one shell, its volume tells.
+  Indices misnested() {
     const Indices alive = alive_facets();
-    const Shells shells = find_shells(soup_of(alive));
+    const TriangleSoup& soup = soup_of(alive);
+    if (count_connected(soup) == 1) return signed_volume(soup) > 0 ? Indices{} : alive;
+    const Shells shells = find_shells(soup);
     Indices found;
     for (std::size_t i = 0; i < alive.size(); ++i)
       if (is_misnested(shells.shells[shells.of_facet[i]])) found.push_back(alive[i]);
@@ -109,18 +117,19 @@ class Settler {
     return facets;
   }
 
-  // Those whose boxes meet that of one of these, themselves among them.
-  Indices facets_near(const Indices& facets) const {
+  // Those whose boxes meet that of one of these, themselves among them; all there are, where finding out which would take longer than they do.
+  Indices facets_near(const Indices& facets) {
     if (facets.empty()) return {};
-    const TriangleSoup soup = soup_of(facets);
+    Indices near = alive_facets();
+    if (facets.size() * kMany > near.size()) return near;
+    const TriangleSoup& soup = soup_of(facets);
     Indices all(facets.size());
     std::iota(all.begin(), all.end(), 0u);
     const BoxTree tree(soup, std::move(all));
-    Indices near = alive_facets();
     std::vector<char> meets(near.size(), 0);
     parallel_for(near.size(), [&](std::size_t i) {
       Box3 box;
-      for (const std::uint32_t p : mesh_.facets[near[i]]) box.extend(points_[p]);
+      for (const std::uint32_t p : mesh_.facets[near[i]]) box.extend(soup.points[p]);
       tree.facets_meeting(box, [&](std::uint32_t) { meets[i] = 1; });
     });
     std::size_t kept = 0;
@@ -132,24 +141,28 @@ class Settler {
 
  private:
   // What is near to points of creases, points that have moved, and facets that are not M's.
-  Indices suspects() const {
+  Indices suspects() {
     Indices points;
     for (std::uint32_t p = 0; p < points_.size(); ++p)
       if (mesh_.on_crease(p) || squared_norm(points_[p] - mesh_.start[p]) > kFar * kFar) points.push_back(p);
     Indices facets = facets_at(points);
     for (std::uint32_t f = 0; f < before_.size(); ++f)
       if (mesh_.facets[f] != before_[f] && !detail::is_gone(mesh_.facets[f])) facets.push_back(f);
+    make_unique(facets);
     return facets_near(facets);
   }
 
-  TriangleSoup soup_of(const Indices& facets) const {
-    TriangleSoup soup{points_, {}, {}};
-    soup.facets.reserve(facets.size());
-    for (const std::uint32_t f : facets) soup.facets.push_back(mesh_.facets[f]);
-    return soup;
+  Vec3 written(const Vec3& p) const { return state_.written ? state_.written(p) : p; }
+
+  // These facets as written, until it is asked for others.
+  const TriangleSoup& soup_of(const Indices& facets) {
+    written_.facets.clear();
+    written_.facets.reserve(facets.size());
+    for (const std::uint32_t f : facets) written_.facets.push_back(mesh_.facets[f]);
+    return written_;
   }
 
-  Pairs intersecting(const Indices& facets, Progress& progress) const {
+  Pairs intersecting(const Indices& facets, Progress& progress) {
     Pairs found = self_intersecting_pairs(soup_of(facets), progress);
     for (auto& [f, g] : found) f = facets[f], g = facets[g];
     return found;
@@ -167,9 +180,16 @@ class Settler {
     Indices changed;
     for (const std::uint32_t p : points) {
       steps_[p] = kOnM;
-      if (!(std::exchange(points_[p], mesh_.start[p]) == mesh_.start[p])) changed.push_back(p);
+      if (points_[p] == mesh_.start[p]) continue;
+      move(p, mesh_.start[p]);
+      changed.push_back(p);
     }
     return changed;
+  }
+
+  void move(std::uint32_t p, const Vec3& to) {
+    points_[p] = to;
+    written_.points[p] = written(to);
   }
 
   bool is_on_m(std::uint32_t f) const {
@@ -181,7 +201,7 @@ class Settler {
     Indices changed;
     for (const std::uint32_t p : points) {
       if (steps_[p] == kOnM || points_[p] == mesh_.start[p]) continue;
-      points_[p] = ++steps_[p] == kOnM ? mesh_.start[p] : (points_[p] + mesh_.start[p]) * 0.5;
+      move(p, ++steps_[p] == kOnM ? mesh_.start[p] : (points_[p] + mesh_.start[p]) * 0.5);
       changed.push_back(p);
     }
     return changed;
@@ -239,11 +259,13 @@ class Settler {
     return crowded;
   }
 
+  const detail::SharpeningState& state_;
   detail::SharpenMesh& mesh_;
   std::vector<Vec3>& points_;
   std::vector<std::uint8_t>& steps_;
   const std::vector<Facet>& before_;
   UnionFind& edits_;
+  TriangleSoup written_;  // all points, facets for a time
 };
 
 }  // namespace

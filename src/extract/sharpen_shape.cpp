@@ -72,7 +72,7 @@ class Adviser {
  private:
   // What is there around a vertex.
   struct Ring {
-    bool known = false;
+    bool known = false, frozen = false;
     Worst now;
     std::vector<Vec3> facing;  // of the facets at it
   };
@@ -82,6 +82,8 @@ class Adviser {
     ring.known = true;
     ring.now = {};
     ring.facing.clear();
+    ring.frozen = patch_.is_ring_frozen(p);
+    if (ring.frozen) return;
     for (const std::uint32_t f : patch_.facets_at(p)) {
       ring.facing.push_back(patch_.facing(f));
       ring.now.add(patch_.quality(patch_.facet(f), ring.facing.back()));
@@ -108,11 +110,13 @@ class Adviser {
     if (f == kNoFacet || patch_.is_frozen(f) || patch_.is_frozen(g)) return;
     const std::uint32_t r = patch_.opposite(f, p, q), s = patch_.opposite(g, p, q);
     if (r == s || patch_.are_linked(r, s) || patch_.facets_at(p).size() <= 3 || patch_.facets_at(q).size() <= 3) return;
-    if (dot(patch_.facing(f), patch_.facing(g)) < kSameSheet || is_crease_edge(p, q)) return;
+    if (dot(patch_.facing(f), patch_.facing(g)) < kSameSheet) return;
     Worst now, then;
     for (const std::uint32_t h : {f, g}) now.add(patch_.quality(h));
     for (const Facet& c : {Facet{p, s, r}, Facet{s, q, r}}) then.add(patch_.quality(c, patch_.facing_when(c, patch_.facing(f))));
-    if (gap(p, q, r, s) <= may_move(now.value())) propose({Action::flip, p, q}, now.value(), then.value());
+    // What costs most is asked last.
+    if (!is_best(now.value(), then.value()) || gap(p, q, r, s) > may_move(now.value()) || is_crease_edge(p, q)) return;
+    propose({Action::flip, p, q}, now.value(), then.value());
   }
 
   static double may_move(double quality) { return quality < 0 ? kMayMoveToTurn : kMayMove; }
@@ -153,11 +157,12 @@ class Adviser {
   // p's facets are gone, or have q in its place. [T-SHARP-6]
   void try_collapse(std::uint32_t p, std::uint32_t q, Ring& ring) {
     const SharpenMesh& mesh = patch_.mesh();
-    if (mesh.kind[p] == SharpenedKind::corner || patch_.is_ring_frozen(p) || mesh.stays(q) || !patch_.may_collapse(p, q)) return;
+    if (mesh.kind[p] == SharpenedKind::corner || mesh.stays(q)) return;
     look_around(p, ring);
+    if (ring.frozen) return;
     const double now = ring.now.value();
     const auto then = worst_when_collapsed(p, q, ring);
-    if (!then || !stays_close_when_collapsed(p, q, now)) return;
+    if (!then || !patch_.may_collapse(p, q) || !stays_close_when_collapsed(p, q, now)) return;
     if (mesh.on_crease(p) && !may_collapse_along_crease(p, q)) return;
     propose({Action::collapse, p, q}, now, *then);
   }
@@ -207,8 +212,9 @@ class Adviser {
   // To the middle of its neighbours, on S and on its own sheet; along the crease for a crease vertex; or to its target after all. [T-SHARP-7]
   void try_slide(std::uint32_t p, Ring& ring) {
     const SharpenMesh& mesh = patch_.mesh();
-    if (patch_.is_ring_frozen(p) || mesh.stays(p)) return;
+    if (mesh.stays(p)) return;
     look_around(p, ring);
+    if (ring.frozen) return;
     if (!(patch_.point(p) == mesh.target[p])) propose_slide(p, mesh.target[p], mesh.sheet[p], ring);
     if (mesh.kind[p] == SharpenedKind::corner) return;
     if (mesh.kind[p] == SharpenedKind::crease) {

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "burnish/core/union_find.h"
@@ -16,6 +17,7 @@ struct SharpeningState {
   std::vector<Facet> before;              // facets before their shape was improved, with the same numbers
   UnionFind edits{0};                     // facets that one change has changed, and another one after it, are in one set
   std::size_t cut = 0;
+  std::function<Vec3(const Vec3&)> written;  // of SharpenOptions
 };
 
 SharpenedSurface collected(const SharpeningState& state);

@@ -321,7 +321,7 @@ void CleanRun::extract(const BuiltLevelSet& built) {
   CleanedOutput::Finish finish;
   if (report_.options.max_hole && !job_.options.thicken)
     finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
-  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), report_, progress_);
+  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), stores_float32(output_->format()), report_, progress_);
   report_.after = output_->write_verified(maker, built.level_set.frame, finish, progress_).defects;
   if (!finish) {
     report_.surface.topology.wanted_components = maker.wanted_topology().components;

@@ -277,8 +277,8 @@ void move_walls(LevelSet& level_set, const ResolvedOptions& options, Progress& p
 }
 
 std::vector<Facet> leave_out_debris(TriangleSoup& surface, const PreparedInput& prepared, const GridFrame& frame) {
+  if (count_connected(surface) <= prepared.shells.shells.size()) return {};
   const Shells pieces = find_shells(surface);
-  if (pieces.shells.size() <= prepared.shells.shells.size()) return {};
   double largest = 0;
   for (const Shell& piece : pieces.shells) largest = std::max(largest, std::abs(piece.volume));
   std::vector<char> debris(pieces.shells.size());

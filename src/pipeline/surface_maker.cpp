@@ -30,6 +30,12 @@ std::vector<std::vector<Vec3>> polylines(const TriangleSoup& surface, const Crea
   return lines;
 }
 
+// What is beyond the range of float32 stays: writing it tells.
+Vec3 as_float32(const Vec3& p) {
+  const Vec3 rounded{static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+  return is_finite(rounded) ? rounded : p;
+}
+
 void mark_with_neighbours(const TriangleSoup& soup, const std::vector<std::uint32_t>& vertices, std::vector<std::uint8_t>& marks) {
   std::vector<char> given(soup.points.size(), 0);
   for (const std::uint32_t v : vertices) given[v] = 1;
@@ -52,9 +58,9 @@ std::shared_ptr<const SharpReference> make_reference(TriangleSoup surface, std::
   return std::make_shared<const SharpReference>(SharpReference{ReferenceSurface(std::move(surface), std::move(creases)), std::move(sharp)});
 }
 
-SurfaceMaker::SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const SharpReference> reference, RepairReport& report,
-                           Progress& progress)
-    : set_(level_set), prepared_(prepared), reference_(std::move(reference)), report_(report), progress_(progress) {
+SurfaceMaker::SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const SharpReference> reference, bool float32,
+                           RepairReport& report, Progress& progress)
+    : set_(level_set), prepared_(prepared), reference_(std::move(reference)), float32_(float32), report_(report), progress_(progress) {
   choose_extractor();
 }
 
@@ -93,6 +99,7 @@ SharpenOptions SurfaceMaker::sharpen_options() const {
     for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, squared_norm(raw_.soup.points[f[(i + 1) % 3]] - raw_.soup.points[f[i]]));
   SharpenOptions options;
   options.crease_reach = std::max(options.crease_reach, kReachPerEdge * std::sqrt(longest));
+  if (float32_) options.written = [frame = set_.frame](const Vec3& p) { return as_float32(frame.to_model(p)); };
   return options;
 }
 

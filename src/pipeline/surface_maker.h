@@ -28,8 +28,9 @@ struct SharpReference {
 class SurfaceMaker {
  public:
   // `reference`: the facets that bound the solid, in lattice coordinates, where they are what the level set was built from; null where it has moved since.
-  // All have to outlive the maker, which tells report.surface, report.actions and report.warnings.
-  SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const SharpReference> reference, RepairReport& report, Progress& progress);
+  // `float32`: of that precision the file is that the surface is for. All have to outlive the maker, which tells report.surface, report.actions and report.warnings.
+  SurfaceMaker(const LevelSet& level_set, const PreparedInput& prepared, std::shared_ptr<const SharpReference> reference, bool float32, RepairReport& report,
+               Progress& progress);
 
   // The surface in lattice coordinates, without debris.
   const TriangleSoup& make();
@@ -60,6 +61,7 @@ class SurfaceMaker {
   const LevelSet& set_;
   const PreparedInput& prepared_;
   std::shared_ptr<const SharpReference> reference_;
+  bool float32_;
   RepairReport& report_;
   Progress& progress_;
 

@@ -136,7 +136,7 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
     if (result.self_intersections.size() > options.max_collected_pairs)
       result.self_intersections.resize(options.max_collected_pairs);
     if (defects.closed_manifold() && defects.self_intersecting_pairs == 0)
-      defects.misnested_shells = count_misnested(find_shells(welded));
+      defects.misnested_shells = defects.components == 1 ? !(defects.volume > 0) : count_misnested(find_shells(welded));
   }
   return result;
 }

@@ -175,4 +175,11 @@ UnionFind connected_points(const TriangleSoup& soup) {
   return sets;
 }
 
+std::size_t count_connected(const TriangleSoup& soup) {
+  UnionFind sets = connected_points(soup);
+  std::vector<char> counted(soup.points.size(), 0);
+  for (const Facet& f : soup.facets) counted[sets.find(f[0])] = 1;
+  return static_cast<std::size_t>(std::count(counted.begin(), counted.end(), 1));
+}
+
 }  // namespace burnish

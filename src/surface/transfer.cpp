@@ -63,7 +63,9 @@ void transfer_attributes(const TriangleSoup& from, const TriangleIndex& index_of
                          std::span<const std::uint32_t> source_facets) {
   if (!has_attributes(from)) return;
   assert(source_facets.empty() || source_facets.size() == to.facets.size());
-  std::vector<std::uint32_t> sources = closest_facets(index_of_from, to, source_facets);
+  // One name is that of all facets, wherever they are.
+  const bool all_alike = from.colors.empty() && from.groups.size() == 1;
+  std::vector<std::uint32_t> sources = all_alike ? std::vector<std::uint32_t>(to.facets.size(), 0) : closest_facets(index_of_from, to, source_facets);
   to.groups.clear();
   to.colors.clear();
   if (!from.groups.empty()) sort_into_groups(from.groups, to, sources);

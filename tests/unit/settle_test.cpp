@@ -111,6 +111,25 @@ TEST(Settle, AShellThatEndsUpInsideAnotherGoesBack) {
   EXPECT_TRUE(inspect(sharpening.surface().soup).defects.valid_solid());
 }
 
+TEST(Settle, RoundingToTheFilesPrecisionMakesNothingMeet) {
+  // Cells: edges that sharpening has made are not much longer, those of M are.
+  constexpr double kStep = 0x1p-3;
+  const auto round = [](const Vec3& p) { return Vec3{std::round(p.x / kStep) * kStep, std::round(p.y / kStep) * kStep, std::round(p.z / kStep) * kStep}; };
+  const Overlapping x = overlapping();
+  const auto pairs_as_written = [&](const SharpenOptions& options) {
+    Sharpening sharpening(x.m, x.reference, {}, options);
+    EXPECT_TRUE(sharpening.settle().empty());
+    TriangleSoup soup = sharpening.surface().soup;
+    EXPECT_TRUE(inspect(soup).defects.closed_manifold());
+    for (Vec3& p : soup.points) p = round(p);
+    return self_intersecting_pairs(soup).size();
+  };
+  SharpenOptions options = kFarReach;
+  ASSERT_GT(pairs_as_written(options), 0u) << "nothing that rounding breaks";
+  options.written = round;
+  EXPECT_EQ(pairs_as_written(options), 0u);
+}
+
 TEST(Settle, SameBitsOnOneThreadAndOnTwo) {
   const Overlapping x = overlapping();
   const auto run = [&](int threads) {

@@ -27,6 +27,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -40,6 +41,9 @@ struct SharpenOptions {
   double reach = 1;         // cells: vertices farther from S stay where they are (caps, details the lattice did not resolve)
   double crease_reach = 3;  // cells: farther from M no crease is looked for; the tip of a wedge of 20 degrees is 2.8 cells from the last node inside
   bool improve = true;      // of step 3; without it facets that are turned over are taken back only
+  // Where a point comes to lie in the file that the result is for, at the precision of its numbers; whatever its units are. Settling looks for intersections
+  // there, so that rounding makes no new ones. Keeps orientations up to rounding; called from several threads. Empty: where it is.
+  std::function<Vec3(const Vec3&)> written = {};
 };
 
 // What a point of the result is.
@@ -63,7 +67,7 @@ namespace detail {
 struct SharpeningState;
 }
 
-// The same, and what it has moved can be taken back where the result meets itself. No closest point is looked up again for that: a round costs what
+// The same, and what it has moved can be taken back where the result, as written, meets itself. No closest point is looked up again for that: a round costs what
 // looking for intersections around the last changes costs.
 class Sharpening {
  public:

@@ -55,4 +55,7 @@ std::size_t count_misnested(const Shells& shells);
 // uses are sets of their own.
 UnionFind connected_points(const TriangleSoup& soup);
 
+// How many sets the points of its facets are. As many as there are shells, if no two of them share a point.
+std::size_t count_connected(const TriangleSoup& soup);
+
 }  // namespace burnish

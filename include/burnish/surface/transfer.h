@@ -19,7 +19,7 @@ namespace burnish {
 // stays its own. Points stay as they are. Whatever groups and colours `to` had are replaced.
 //
 // Nothing happens when `from` has neither groups nor colours, or no facets. The same bits for any number of threads.
-// Cost: one query of the index per facet of `to`, 1 to 2 us each near a surface of a million facets.
+// Cost: one query of the index per facet of `to`, 1 to 2 us each near a surface of a million facets; none for one group without colours.
 void transfer_attributes(const TriangleSoup& from, const TriangleIndex& index_of_from, TriangleSoup& to);
 
 // The same with what the caller knows already: source_facets[f] is the facet of `from` that facet f of `to` takes
