@@ -16,6 +16,7 @@ constexpr double kLong = 0.24999, kShort = 0.41189;
 constexpr double kLarger = 1.5;       // of the smallest cell at a node that has larger ones too: the edge that it may move along
 constexpr double kCreaseReach = 1.2;  // half sides of a node's smallest cell: no node farther from the surface is near a crease
 constexpr double kCrowded = 0.1;      // of a tetrahedron's volume: less may not be left of it when its nodes have moved
+constexpr double kFar = 6;            // half sides of a cell: its tetrahedra reach 3 of them, to nodes that are within 2.4 of the surface if they have moved
 constexpr double kLastOfAll = 1e-9;   // what a way to a corner counts, so that another node goes back first
 constexpr std::size_t kCellsAtATime = 4096;
 
@@ -41,7 +42,7 @@ void visit_tetrahedra(const CellLattice& lattice, std::size_t cell, Visit&& visi
 }  // namespace
 
 LatticeNodes::LatticeNodes(const CellLattice& lattice, const LevelSet& set, int sign, std::vector<Vec3>& points)
-    : lattice_(lattice), points_(points), phi_(lattice.nodes()), sign_(lattice.nodes()), at_corner_(lattice.nodes()) {
+    : lattice_(lattice), points_(points), phi_(lattice.nodes()), sign_(lattice.nodes()), moved_(lattice.nodes()), at_corner_(lattice.nodes()) {
   points_.resize(lattice.nodes());
   parallel_for(lattice.nodes(), [&](std::size_t i) {
     const LatticePlace p = lattice_.position(static_cast<std::uint32_t>(i));
@@ -69,7 +70,13 @@ Vec3 LatticeNodes::place_in_lattice(std::uint32_t node) const {
 void LatticeNodes::put_back(std::uint32_t node) {
   points_[node] = place_in_lattice(node);
   sign_[node] = static_cast<std::int8_t>((phi_[node] > 0) - (phi_[node] < 0));
-  at_corner_[node] = 0;
+  moved_[node] = at_corner_[node] = 0;
+}
+
+void LatticeNodes::move(std::uint32_t node, const Vec3& to) {
+  points_[node] = to;
+  sign_[node] = 0;
+  moved_[node] = 1;
 }
 
 void LatticeNodes::move_to_creases(const CreaseTarget& target) {
@@ -84,8 +91,7 @@ void LatticeNodes::move_to_creases(const CreaseTarget& target) {
   for (std::size_t w = 0; w < wishes.size(); ++w) {
     const auto& [at, way, node] = wishes[w];
     if (w > 0 && std::get<0>(wishes[w - 1]) == at) continue;
-    points_[node] = at;
-    sign_[node] = 0;
+    move(node, at);
     at_corner_[node] = place[node]->is_corner;
   }
   stays_ = deepest_at_corners();
@@ -96,11 +102,14 @@ void LatticeNodes::move_to_creases(const CreaseTarget& target) {
 // A corner of the solid that sticks out is lost if all that is left around it is on the surface: of the neighbours of a node at a corner the deepest one stays where it is.
 std::vector<std::uint32_t> LatticeNodes::deepest_at_corners() const {
   using Neighbour = std::tuple<std::uint32_t, double, std::uint32_t>;  // of a corner: the corner, minus phi, the node
+  if (std::find(at_corner_.begin(), at_corner_.end(), 1) == at_corner_.end()) return {};
   const std::vector<Neighbour> all = listed<Neighbour>(lattice_.cells(), [&](std::size_t cell, std::vector<Neighbour>& found) {
     visit_tetrahedra(lattice_, cell, [&](const LatticeTetrahedron& t) {
-      for (const std::uint32_t a : t)
+      for (const std::uint32_t a : t) {
+        if (!at_corner_[a]) continue;
         for (const std::uint32_t b : t)
-          if (at_corner_[a] && !at_corner_[b] && phi_[b] > 0) found.emplace_back(a, -phi_[b], b);
+          if (!at_corner_[b] && phi_[b] > 0) found.emplace_back(a, -phi_[b], b);
+      }
     });
   });
   std::vector<std::uint32_t> deepest;
@@ -112,19 +121,26 @@ std::vector<std::uint32_t> LatticeNodes::deepest_at_corners() const {
 
 // [T-HEX-3] A tetrahedron that has lost nearly all of its volume has the node back that moved farthest; one at a corner of the creases last of all.
 void LatticeNodes::take_back() {
-  for (std::vector<std::uint32_t> back = crowded(); !back.empty(); back = crowded())
+  const std::vector<std::uint32_t> cells = listed<std::uint32_t>(lattice_.cells(), [&](std::size_t cell, std::vector<std::uint32_t>& found) {
+    if (std::abs(phi_[lattice_.centre(cell)]) > kFar * (1 << lattice_.tree().level(cell))) return;
+    bool any = false;
+    visit_tetrahedra(lattice_, cell, [&](const LatticeTetrahedron& t) { any = any || std::any_of(t.begin(), t.end(), [&](std::uint32_t node) { return moved_[node] != 0; }); });
+    if (any) found.push_back(static_cast<std::uint32_t>(cell));
+  });
+  for (std::vector<std::uint32_t> back = crowded(cells); !back.empty(); back = crowded(cells))
     for (const std::uint32_t node : back) put_back(node);
 }
 
-std::vector<std::uint32_t> LatticeNodes::crowded() const {
-  return listed<std::uint32_t>(lattice_.cells(), [&](std::size_t cell, std::vector<std::uint32_t>& found) {
-    visit_tetrahedra(lattice_, cell, [&](const LatticeTetrahedron& t) {
+std::vector<std::uint32_t> LatticeNodes::crowded(const std::vector<std::uint32_t>& cells) const {
+  return listed<std::uint32_t>(cells.size(), [&](std::size_t i, std::vector<std::uint32_t>& found) {
+    visit_tetrahedra(lattice_, cells[i], [&](const LatticeTetrahedron& t) {
       if (const std::optional<std::uint32_t> node = farthest_of_crowded(t)) found.push_back(*node);
     });
   });
 }
 
 std::optional<std::uint32_t> LatticeNodes::farthest_of_crowded(const LatticeTetrahedron& t) const {
+  if (std::none_of(t.begin(), t.end(), [&](std::uint32_t node) { return moved_[node] != 0; })) return std::nullopt;
   const auto way = [&](std::uint32_t node) { return norm(points_[node] - place_in_lattice(node)) / (1 << level_[node]) * (at_corner_[node] ? kLastOfAll : 1); };
   const std::uint32_t node = *std::max_element(t.begin(), t.end(), [&](std::uint32_t a, std::uint32_t b) { return std::pair(way(a), a) < std::pair(way(b), b); });
   if (!(way(node) > 0)) return std::nullopt;
@@ -158,8 +174,7 @@ void LatticeNodes::move_to_cuts(const std::vector<std::uint64_t>& cuts) {
       if (!nearest || squared_norm(step) < squared_norm(*nearest)) nearest = step;
     }
     if (!nearest || std::binary_search(stays_.begin(), stays_.end(), node)) continue;
-    sign_[node] = 0;
-    points_[node] += *nearest;
+    move(node, points_[node] + *nearest);
   }
   take_back();
 }

@@ -54,9 +54,10 @@ class LatticeNodes {
   Vec3 place_in_lattice(std::uint32_t node) const;
   void find_levels();
   void put_back(std::uint32_t node);
+  void move(std::uint32_t node, const Vec3& to);
   std::vector<std::uint32_t> deepest_at_corners() const;
   void take_back();
-  std::vector<std::uint32_t> crowded() const;
+  std::vector<std::uint32_t> crowded(const std::vector<std::uint32_t>& cells) const;
   std::optional<std::uint32_t> farthest_of_crowded(const LatticeTetrahedron& t) const;
   double limit(std::uint32_t a, std::uint32_t b) const;
 
@@ -65,6 +66,7 @@ class LatticeNodes {
   std::vector<double> phi_;
   std::vector<std::int8_t> sign_;
   std::vector<std::uint8_t> level_;      // of the smallest cell at the node
+  std::vector<std::uint8_t> moved_;
   std::vector<std::uint8_t> at_corner_;  // moved to a corner of the creases
   std::vector<std::uint32_t> stays_;     // deepest neighbours of these, ascending
 };
