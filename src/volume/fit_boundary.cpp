@@ -27,8 +27,8 @@ constexpr MeshQualityLimits kLimits{.non_orthogonality = 65, .internal_skewness 
 
 class Fitting {
  public:
-  Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, double cell, Progress& progress)
-      : volume_(mesh), mesh_(mesh.mesh), around_(mesh), on_wall_(on_wall), reference_(reference), sign_(sign), cell_(cell), progress_(progress) {}
+  Fitting(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, const std::vector<std::uint8_t>& level, Progress& progress)
+      : volume_(mesh), mesh_(mesh.mesh), around_(mesh), on_wall_(on_wall), reference_(reference), sign_(sign), level_(level), largest_(1 << *std::max_element(level.begin(), level.end())), progress_(progress) {}
 
   BoundaryFit run() {
     start_ = mesh_.points;
@@ -46,6 +46,9 @@ class Fitting {
   }
 
  private:
+  // Half a side of the cells at a point.
+  double cell(std::uint32_t p) const { return static_cast<double>(1 << level_[p]); }
+
   void collect_wall() {
     normal_.assign(mesh_.points.size(), {});
     at_end_.assign(mesh_.points.size(), 0);
@@ -72,7 +75,7 @@ class Fitting {
     facet_.assign(mesh_.points.size(), kNoFacet);
     parallel_for(wall_.size(), [&](std::size_t i) {
       const std::uint32_t p = wall_[i];
-      const ReferenceSurface::Foot foot = reference_.closest(start_[p], kReach * cell_, normal_[p]);
+      const ReferenceSurface::Foot foot = reference_.closest(start_[p], kReach * cell(p), normal_[p]);
       if (!foot.found()) return;
       mesh_.points[p] = foot.point;
       facet_[p] = foot.facet;
@@ -85,7 +88,7 @@ class Fitting {
     const auto& corners = reference_.creases().corners;
     if (corners.empty()) return;
     using Bin = std::array<std::int64_t, 3>;
-    const auto bin_of = [&](const Vec3& p) { return Bin{std::llround(std::floor(p.x / (2 * cell_))), std::llround(std::floor(p.y / (2 * cell_))), std::llround(std::floor(p.z / (2 * cell_)))}; };
+    const auto bin_of = [&](const Vec3& p) { return Bin{std::llround(std::floor(p.x / (2 * largest_))), std::llround(std::floor(p.y / (2 * largest_))), std::llround(std::floor(p.z / (2 * largest_)))}; };
     std::map<Bin, std::vector<std::uint32_t>> bins;
     for (std::uint32_t c = 0; c < corners.size(); ++c) bins[bin_of(reference_.soup().points[corners[c]])].push_back(c);
     std::vector<std::tuple<double, std::uint32_t, std::uint32_t>> pairs;
@@ -95,7 +98,7 @@ class Fitting {
         const auto found = bins.find({at[0] + n % 3 - 1, at[1] + n / 3 % 3 - 1, at[2] + n / 9 - 1});
         if (found == bins.end()) continue;
         for (const std::uint32_t c : found->second)
-          if (const double d = norm(reference_.soup().points[corners[c]] - start_[p]); d < kCornerReach * cell_) pairs.emplace_back(d, p, c);
+          if (const double d = norm(reference_.soup().points[corners[c]] - start_[p]); d < kCornerReach * cell(p)) pairs.emplace_back(d, p, c);
       }
     }
     std::sort(pairs.begin(), pairs.end());
@@ -110,14 +113,14 @@ class Fitting {
 
   bool is_parted(std::uint32_t a, std::uint32_t b) const {
     if (facet_[a] == kNoFacet || facet_[b] == kNoFacet) return false;
-    return !reference_.connected(facet_[a], facet_[b], (start_[a] + start_[b]) * 0.5, kConnected * cell_);
+    return !reference_.connected(facet_[a], facet_[b], (start_[a] + start_[b]) * 0.5, kConnected * std::max(cell(a), cell(b)));
   }
 
   void cover_crossed_edges() {
     std::vector<std::uint8_t> near(mesh_.points.size(), 0);
     parallel_for(wall_.size(), [&](std::size_t i) {
       std::uint32_t hint = kNoFacet;
-      near[wall_[i]] = reference_.is_near_creases(start_[wall_[i]], kConnected * cell_, hint);
+      near[wall_[i]] = reference_.is_near_creases(start_[wall_[i]], kConnected * cell(wall_[i]), hint);
     });
     struct Wish {
       double distance;
@@ -128,18 +131,18 @@ class Fitting {
     std::vector<std::uint32_t> parted;
     for (std::uint32_t e = 0; e < edges_.size(); ++e)
       if (near[edges_[e].first] && near[edges_[e].second] && is_parted(edges_[e].first, edges_[e].second)) parted.push_back(e);
-    const double reach = kReach * cell_;
     std::vector<Wish> wishes(2 * parted.size());
     parallel_for(wishes.size(), [&](std::size_t i) {
       const auto [a, b] = edges_[parted[i / 2]];
       const std::uint32_t p = i % 2 == 0 ? a : b;
+      const double reach = kReach * cell(p);
       const ReferenceSurface::Foot foot = reference_.closest_between(mesh_.points[p], reach, facet_[a], facet_[b]);
       wishes[i] = {foot.found() ? std::sqrt(foot.squared_distance) : reach, p, static_cast<std::uint32_t>(i / 2), foot.found() ? foot.point : mesh_.points[p]};
     });
     std::sort(wishes.begin(), wishes.end());
     for (const Wish& w : wishes) {
       const auto [a, b] = edges_[parted[w.edge]];
-      if (fixed_[a] || fixed_[b] || w.distance >= reach) continue;
+      if (fixed_[a] || fixed_[b] || w.distance >= kReach * cell(w.point)) continue;
       fixed_[w.point] = 1;
       mesh_.points[w.point] = w.at;
       ++result_.crease_points;
@@ -170,11 +173,12 @@ class Fitting {
   void restore_quality() {
     const CellFaces faces = cell_faces(mesh_);
     const std::vector<std::uint8_t> held = held_points();
-    Mending mending(volume_, around_, faces, held, kLimits, cell_);
+    Mending mending(volume_, around_, faces, held, kLimits, largest_, progress_);
     const std::vector<Vec3> wanted = mesh_.points;
     std::vector<std::uint8_t> steps(mesh_.points.size(), 0);
     std::vector<BadCell> bad = without_split_ones(volume_, bad_cells(mesh_, kLimits, progress_));
     for (int round = 0; round < kRounds && !bad.empty(); ++round) {
+      progress_.check();
       const std::vector<std::uint32_t> points = culprits(faces, bad, round);
       for (const std::uint32_t p : points) {
         ++steps[p];
@@ -185,7 +189,7 @@ class Fitting {
     }
     // What is bad without any point having moved; at corners only where nothing else helps.
     bad = mending.mend(std::move(bad), kMendings);
-    Mending last(volume_, around_, faces, at_end_, kLimits, cell_);
+    Mending last(volume_, around_, faces, at_end_, kLimits, largest_, progress_);
     last.mend(std::move(bad), kMendings);
     result_.mended = mending.moves() + last.moves();
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
@@ -224,7 +228,9 @@ class Fitting {
   const PointCells around_;
   const std::vector<std::uint8_t>& on_wall_;
   const ReferenceSurface& reference_;
-  const double sign_, cell_;
+  const double sign_;
+  const std::vector<std::uint8_t>& level_;
+  const double largest_;  // cell
   Progress& progress_;
   std::vector<Vec3> start_, normal_;
   std::vector<std::uint32_t> wall_;  // points on the surface
@@ -238,8 +244,8 @@ class Fitting {
 
 }  // namespace
 
-BoundaryFit fit_boundary(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, double cell, Progress& progress) {
-  return Fitting(mesh, on_wall, reference, sign, cell, progress).run();
+BoundaryFit fit_boundary(VolumeMesh& mesh, const std::vector<std::uint8_t>& on_wall, const ReferenceSurface& reference, double sign, const std::vector<std::uint8_t>& level, Progress& progress) {
+  return Fitting(mesh, on_wall, reference, sign, level, progress).run();
 }
 
 }  // namespace burnish

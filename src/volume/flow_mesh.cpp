@@ -67,9 +67,9 @@ class FlowMesher {
     refer();
     stuffed_ = stuff(lattice, set, options_.side == MeshSide::inside ? 1 : -1, options_.flavour, crease_target(), progress_);
     result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
-    leave_out_crumbs();
+    leave_out_crumbs(lattice);
     progress_.begin_stage("boundary");
-    fit();
+    fit(lattice);
     if (options_.layers.count > 0) grow_layers();
     name_patches();
     count_levels(lattice);
@@ -157,27 +157,29 @@ class FlowMesher {
   }
 
   // Parts that hang by an edge or a point alone, and hold next to nothing.
-  void leave_out_crumbs() {
+  void leave_out_crumbs(const CellLattice& lattice) {
     std::vector<std::uint32_t> part;
     const std::uint32_t parts = connected_parts(result_.mesh.mesh, part);
     if (result_.mesh.cells() == 0) throw Error(ErrorCode::guarantee_unmet, "no cell of the mesh lies on this side of the surface", "choose a smaller --cell");
     if (parts == 1) return;
     const CellGeometry geometry = cell_geometry(result_.mesh.mesh, cell_faces(result_.mesh.mesh));
-    std::vector<double> volume(parts, 0);
-    for (std::size_t c = 0; c < part.size(); ++c) volume[part[c]] += geometry.volume[c];
+    std::vector<double> volume(parts, 0), cubes(parts, 0);  // the latter in cells of the sizes there
+    for (std::size_t c = 0; c < part.size(); ++c) {
+      volume[part[c]] += geometry.volume[c];
+      cubes[part[c]] += geometry.volume[c] / std::exp2(3 * (lattice.level_at(geometry.middle[c]) + 1));
+    }
     std::vector<std::uint8_t> keep(part.size());
     std::size_t crumbs = 0;
-    const double smallest = kSmallestPart * 8 * surface_cell() * surface_cell() * surface_cell();
     double lost = 0;
-    for (const double v : volume)
-      if (v < smallest) ++crumbs, lost += v;
+    for (std::uint32_t i = 0; i < parts; ++i)
+      if (cubes[i] < kSmallestPart) ++crumbs, lost += volume[i];
     if (crumbs == 0) return;
     if (crumbs == parts) throw Error(ErrorCode::guarantee_unmet, "the solid is thinner than a cell everywhere", "choose a smaller --cell");
-    for (std::size_t c = 0; c < part.size(); ++c) keep[c] = volume[part[c]] >= smallest;
+    for (std::size_t c = 0; c < part.size(); ++c) keep[c] = cubes[part[c]] >= kSmallestPart;
     stuffed_.cells = kept_cells(stuffed_.cells, keep);
     result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
     const double cube = result_.frame.cell * result_.frame.cell * result_.frame.cell;
-    result_.notes.push_back(fmt::format("{} parts of less than {} cells, {:.3g} in all, hang together with the rest by no face and are left out", crumbs, kSmallestPart, lost * cube));
+    result_.notes.push_back(fmt::format("{} parts of less than {} cells that hang together with the rest by no face, {:.3g} in all, are left out", crumbs, kSmallestPart, lost * cube));
   }
 
   void refer() {
@@ -216,9 +218,11 @@ class FlowMesher {
     }
   }
 
-  void fit() {
+  void fit(const CellLattice& lattice) {
     mark_wall();
-    const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, surface_cell(), progress_);
+    std::vector<std::uint8_t> level(result_.mesh.mesh.points.size());
+    parallel_for(level.size(), [&](std::size_t p) { level[p] = static_cast<std::uint8_t>(std::min(lattice.level_at(result_.mesh.mesh.points[p]), surface_level_)); });
+    const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, level, progress_);
     result_.moved_back = told.moved_back;
     result_.crease_points = told.crease_points + told.corners;
   }

@@ -11,6 +11,7 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kMostMended = 4096;  // bad cells in a round: a mesh with more is beyond mending
+constexpr double kMeanDistance = 1.5;
 constexpr std::size_t kPlaces = 78;        // where a point may go: three steps in 26 directions
 constexpr std::size_t kTried = 10;         // of them in the first round, by the shapes of the cells around; measuring all takes ten times as long
 
@@ -24,7 +25,10 @@ std::vector<BadCell> without_split_ones(const VolumeMesh& mesh, std::vector<BadC
 std::vector<BadCell> Mending::mend(std::vector<BadCell> bad, int rounds) {
   for (int round = 0; round < rounds && !bad.empty(); ++round) {
     const std::vector<std::uint32_t> first = worst_first(bad);
-    for (const std::uint32_t cell : first) mend_cell(cell, round == 0 ? kTried : kPlaces);
+    for (const std::uint32_t cell : first) {
+      progress_.check();
+      mend_cell(cell, round == 0 ? kTried : kPlaces);
+    }
     std::vector<std::uint32_t> again;
     for (const std::uint32_t cell : first)
       for (const std::uint32_t p : volume_.cell(cell)) again.push_back(p);
@@ -50,17 +54,27 @@ void Mending::mend_cell(std::uint32_t cell, std::size_t tried) {
     if (!fixed_[p] && mend_by(p, tried)) return;
 }
 
+// Half a side of the cells at a point, as far as these show it: corners of tetrahedra of the lattice are 1.7 and 2 half sides away.
+double Mending::cell_at(std::uint32_t p) const {
+  double sum = 0, count = 0;
+  for (const std::uint32_t c : around_[p])
+    for (const std::uint32_t q : volume_.cell(c))
+      if (q != p) sum += norm(volume_.mesh.points[q] - volume_.mesh.points[p]), ++count;
+  return count > 0 ? std::min(largest_, sum / (kMeanDistance * count)) : largest_;
+}
+
 // Places a tenth, a fifth and two fifths of half a side away, those with the best shapes first.
 std::vector<Vec3> Mending::places_for(std::uint32_t p) {
   Vec3& at = volume_.mesh.points[p];
   const Vec3 start = at;
+  const double cell = cell_at(p);
   std::vector<std::pair<double, Vec3>> places;
   for (const double step : {0.1, 0.2, 0.4})
     for (int d = 0; d < kDirections; ++d) {
       if (d == kSelf) continue;
       const std::array<int, 3> o = offset_of(d);
       const Vec3 direction{static_cast<double>(o[0]), static_cast<double>(o[1]), static_cast<double>(o[2])};
-      at = start + direction * (step * cell_ / norm(direction));
+      at = start + direction * (step * cell / norm(direction));
       places.emplace_back(-worst_shape(volume_, around_[p]), at);
     }
   at = start;

@@ -25,8 +25,10 @@ class Stuffing {
   StuffedCells run() {
     classify();
     if (crease_) nodes_.move_to_creases(crease_);
+    progress_.check();
     collect_cuts();
     nodes_.move_to_cuts(cuts_);
+    progress_.check();
     classify();
     collect_cuts();
     place_cuts();
@@ -36,10 +38,25 @@ class Stuffing {
   }
 
  private:
+  // Nodes in the middle of its edges and faces are the cell's as well: one of them may be all that is positive.
   bool has_positive(std::size_t cell) const {
     for (int c = 0; c < 8; ++c)
       if (nodes_.sign(lattice_.corner(cell, c)) > 0) return true;
-    return nodes_.sign(lattice_.centre(cell)) > 0;
+    return nodes_.sign(lattice_.centre(cell)) > 0 || (lattice_.hangs(cell) && any_on_faces(cell, [](int sign) { return sign > 0; }));
+  }
+  // Of the signs of all nodes on a cell's faces, those in the middle of edges and faces among them.
+  template <class Is>
+  bool any_on_faces(std::size_t cell, Is&& is) const {
+    const auto any_of = [&](const FacePolygon& p) { return std::any_of(p.node.begin(), p.node.begin() + p.size, [&](std::uint32_t n) { return is(nodes_.sign(n)); }); };
+    for (int f = 0; f < 6; ++f) {
+      if (!lattice_.is_split(cell, f)) {
+        if (any_of(lattice_.polygon(cell, f))) return true;
+        continue;
+      }
+      for (const std::uint32_t other : lattice_.finer_across(cell, f))
+        if (any_of(lattice_.polygon(other, f ^ 1))) return true;
+    }
+    return false;
   }
 
   // [T-HEX-5] A cell that stays a hexahedron: nothing of it is beyond the surface, what has moved is still nearly a cube, and on all sides stands something that it can share a face with.
@@ -52,6 +69,7 @@ class Stuffing {
       moved = moved || s == 0;
     }
     if (moved && (lattice_.hangs(cell) || !is_nearly_cube(cell))) return false;
+    if (lattice_.hangs(cell) && any_on_faces(cell, [](int sign) { return sign <= 0; })) return false;
     for (int f = 0; f < 6; ++f)
       if (!can_share(cell, f)) return false;
     return true;
@@ -132,6 +150,7 @@ class Stuffing {
 
   // A square with moved corners has to be nearly plane, the apex over it, and no more than one side on the surface.
   bool is_good_pyramid(const FacePolygon& p, std::uint32_t apex) const {
+    if (!p.is_quad()) return false;
     const auto at = [&](int i) { return result_.points[p.node[static_cast<std::size_t>(i % 4)]]; };
     const auto zero = [&](int i) { return nodes_.sign(p.node[static_cast<std::size_t>(i % 4)]) == 0; };
     const Vec3 top = result_.points[apex], normal = cross(at(2) - at(0), at(3) - at(1)) * 0.5;

@@ -25,8 +25,9 @@ constexpr double kSteepest = 0.3;  // least cosine between a direction and the n
 constexpr double kLongest = 1.5;   // a column's length along its direction, in thicknesses
 constexpr double kLower = 0.6;     // what is left of a column at a bad cell
 constexpr double kLowest = 0.5;    // what is lower than this part of the thickness vanishes
-// After so many rounds points of bad cells are not relaxed any more; stay where they were without layers; columns beside those at bad cells get lower too; nothing more is tried.
-constexpr int kRelaxingRounds = 3, kMovingRounds = 10, kLoneRounds = 10, kRounds = 18;
+// After so many rounds points of bad cells are not relaxed any more; stay where they were without layers; columns beside those at bad cells get lower too; they vanish, with two rings around them;
+// no layers are made.
+constexpr int kRelaxingRounds = 3, kMovingRounds = 10, kLoneRounds = 10, kLoweringRounds = 14, kRounds = 20;
 constexpr int kMendingFrom = 1, kMendings = 2;  // rounds
 constexpr std::size_t kMendable = 50, kMendablePart = 32;  // bad cells: so many, or one for so many columns
 constexpr MeshQualityLimits kLimits{.non_orthogonality = 70, .internal_skewness = 2, .boundary_skewness = 2};
@@ -52,20 +53,35 @@ class LayerGrowth {
     move_.assign(start_.size(), {});
     solve(kFirstSweeps);
     build();
-    for (int round = 0; round < kRounds; ++round) {
-      progress_.check();
-      std::vector<BadCell> bad = judged();
-      if (round >= kMendingFrom && bad.size() <= std::max(kMendable, wall_.size() / kMendablePart)) bad = mended(std::move(bad));
-      if (bad.empty()) break;
-      lower(bad, round);
-      solve(kSweeps);
-      build();
-    }
+    if (!make_good()) leave_out_layers();
     finish();
     return result_;
   }
 
  private:
+  // False if bad cells are left after all rounds.
+  bool make_good() {
+    for (int round = 0;; ++round) {
+      progress_.check();
+      std::vector<BadCell> bad = judged();
+      if (round >= kMendingFrom && bad.size() <= std::max(kMendable, wall_.size() / kMendablePart)) bad = mended(std::move(bad));
+      if (bad.empty()) return true;
+      if (round == kRounds) return false;
+      lower(bad, round);
+      solve(kSweeps);
+      build();
+    }
+  }
+
+  // The mesh as it was.
+  void leave_out_layers() {
+    std::fill(part_.begin(), part_.end(), 0);
+    std::fill(relaxed_.begin(), relaxed_.end(), 0);
+    std::fill(held_.begin(), held_.end(), 1);
+    solve(1);
+    build();
+  }
+
   // Heights are first, first ratio, first ratio^2 ...: where levels are, as parts of the whole.
   void divide_column() {
     double sum = 0, height = layers_.first;
@@ -359,7 +375,7 @@ class LayerGrowth {
     std::vector<std::uint8_t> fixed(mesh.points.size(), 0);
     for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f)
       for (const std::uint32_t p : mesh.face(f)) fixed[p] = 1;
-    bad = Mending(grown_, around, faces, fixed, kLimits, cell_).mend(std::move(bad), kMendings);
+    bad = Mending(grown_, around, faces, fixed, kLimits, cell_, progress_).mend(std::move(bad), kMendings);
     return bad.empty() ? judged() : bad;
   }
 
@@ -369,10 +385,11 @@ class LayerGrowth {
     for (const BadCell& b : bad) blame(b.cell, columns);
     for (const BadCell& b : bad) hold(b.cell, round);
     if (round >= kLoneRounds) add_neighbours(columns);
+    if (round >= kLoweringRounds) add_neighbours(columns);
     std::sort(columns.begin(), columns.end());
     columns.erase(std::unique(columns.begin(), columns.end()), columns.end());
     for (const std::uint32_t c : columns) {
-      part_[c] *= kLower;
+      part_[c] *= round >= kLoweringRounds ? 0 : kLower;
       if (part_[c] < kLowest) part_[c] = 0;
     }
   }

@@ -76,5 +76,35 @@ TEST_P(RandomFlowMesh, PassesTheCheckAndFillsTheSide) {
 
 INSTANTIATE_TEST_SUITE_P(Seeds, RandomFlowMesh, testing::Range(1u, 13u));
 
+// Cells of several sizes anywhere at sharp edges and corners: of a large cell a point in the middle of an edge may be all that is inside.
+class AskewRefinedFlowMesh : public testing::TestWithParam<unsigned> {};
+
+TEST_P(AskewRefinedFlowMesh, PassesTheCheck) {
+  std::mt19937 engine(GetParam());
+  const auto number = [&](double a, double b) { return a + (b - a) * static_cast<double>(engine()) / 4294967296.0; };
+  const double a = number(0, 3), b = number(0, 3);
+  const TriangleSoup solid = mapped(GetParam() % 3 == 0 ? cone(16) : GetParam() % 3 == 1 ? cube() : wedge(number(40, 110)), [&](const Vec3& q) {
+    const Vec3 r{std::cos(a) * q.x - std::sin(a) * q.y, std::sin(a) * q.x + std::cos(a) * q.y, q.z};
+    return Vec3{r.x, std::cos(b) * r.y - std::sin(b) * r.z, std::sin(b) * r.y + std::cos(b) * r.z};
+  });
+  const Box3 box = bounding_box(solid);
+  FlowMeshOptions o;
+  o.cell = number(0.08, 0.2) * box.longest_side();
+  const Vec3 lower{number(box.lower.x, box.upper.x), number(box.lower.y, box.upper.y), number(box.lower.z, box.upper.z)};
+  o.refinements = {{{lower, lower + box.extent() * number(0.1, 0.5)}, o.cell * number(0.2, 0.9)}};
+  if (engine() % 3 == 0) o.flavour = MeshFlavour::polyhedral;
+  if (engine() % 2 == 1) {
+    o.side = MeshSide::outside;
+    const Vec3 margin{6 * o.cell, 6 * o.cell, 6 * o.cell};
+    o.domain = {box.lower - margin, box.upper + margin};
+  }
+  const MeshQuality q = mesh_quality(flow_mesh(solid, {}, {}, o).mesh);
+  EXPECT_TRUE(o.flavour == MeshFlavour::polyhedral ? q.plain_ok : q.ok) << "seed " << GetParam();
+  EXPECT_EQ(q.regions, 1u) << "seed " << GetParam();
+}
+
+// Seeds 32 and 48 left holes.
+INSTANTIATE_TEST_SUITE_P(Seeds, AskewRefinedFlowMesh, testing::Range(30u, 50u));
+
 }  // namespace
 }  // namespace burnish

@@ -261,6 +261,18 @@ TEST(FlowMesh, CellsOfSeveralSizesMeetAtCreases) {
   expect_sound(made, 1);
 }
 
+// A body of less than eight cells is kept where a refinement has many.
+TEST(FlowMesh, SmallBodiesCountByTheirOwnCells) {
+  TriangleSoup both = cube();
+  const TriangleSoup small = mapped(cube(), [](const Vec3& p) { return p * 0.15 + Vec3{1.8, 0, 0}; });
+  const auto first = static_cast<std::uint32_t>(both.points.size());
+  both.points.insert(both.points.end(), small.points.begin(), small.points.end());
+  for (const auto& f : small.facets) both.facets.push_back({f[0] + first, f[1] + first, f[2] + first});
+  FlowMeshOptions options = inside(0.2);
+  options.refinements = {{{{1.6, -0.2, -0.2}, {2, 0.2, 0.2}}, 0.025}};
+  expect_sound(flow_mesh(both, {}, {}, options), 2);
+}
+
 TEST(FlowMesh, LargerCellsWhereItIsFlat) {
   const TriangleSoup box = mapped(cube(), turned);
   FlowMeshOptions options = inside(0.025);

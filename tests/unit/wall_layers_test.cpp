@@ -120,6 +120,21 @@ TEST(WallLayers, MoreThanAGapHasRoomForGoesUnlayeredOrLow) {
   EXPECT_NEAR(volume_of(flow) / (3 * kCell), 1, 0.02);
 }
 
+// What has no layers passes; with them it has to as well, with fewer columns.
+TEST(WallLayers, NeverMakeAMeshFail) {
+  for (const double angle : {0.7, 1.1}) {
+    const Vec3 axis = Vec3{1, 2, 3} / std::sqrt(14.0);
+    const TriangleSoup box = test::mapped(cube(), [&](const Vec3& p) { return p * std::cos(angle) + cross(axis, p) * std::sin(angle) + axis * (dot(axis, p) * (1 - std::cos(angle))); });
+    for (const int count : {2, 4}) {
+      FlowMeshOptions options;
+      options.cell = 0.4;
+      options.layers = {.count = count, .first = 0.09, .ratio = 1.2};
+      const FlowMesh flow = flow_mesh(box, {}, {}, options);
+      EXPECT_TRUE(mesh_quality(flow.mesh).ok) << angle << ", " << count;
+    }
+  }
+}
+
 TEST(WallLayers, SameBitsForAnyNumberOfThreads) {
   const auto run = [](int threads) {
     const ThreadLimit limit(threads);
