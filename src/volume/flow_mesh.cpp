@@ -117,7 +117,18 @@ class FlowMesher {
       to = outside() ? rounded(upper[a], std::round) : rounded(upper[a] + kInsideRoom * surface_cell(), std::ceil);
     }
     choose_stretch(body);
-    refinements_ = on_lattice(options_, result_.frame, stretch_, region_, surface_level_);
+    refinements_ = on_lattice(options_, result_.frame, stretch_, cells_of_mesh(lower, upper), surface_level_);
+  }
+
+  // What boxes are cut to: the region, of which inside no more counts than what is around the surface's box, from `lower` to `upper` in finest cells.
+  LatticeBox cells_of_mesh(const Vec3& lower, const Vec3& upper) const {
+    LatticeBox cells = region_;
+    for (int a = 0; !outside() && a < 3; ++a) {
+      const auto i = static_cast<std::size_t>(a);
+      cells.lower[i] = std::max(cells.lower[i], static_cast<std::int64_t>(std::floor(lower[a] - kInsideRoom * surface_cell())));
+      cells.upper[i] = std::min(cells.upper[i], static_cast<std::int64_t>(std::ceil(upper[a] + kInsideRoom * surface_cell())));
+    }
+    return cells;
   }
 
   // [T-HEX-8] Within two cells around the surface's box nothing is stretched.

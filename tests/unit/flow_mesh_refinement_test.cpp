@@ -157,6 +157,35 @@ TEST(FlowMeshRefinement, BesideTheMeshIsDroppedAndTold) {
   }
 }
 
+// Around the model there is nothing to be refined: not more cells than with a box somewhat larger than the model, and within its memory.
+TEST(FlowMeshRefinement, IsCutToWhatIsMeshed) {
+  const TriangleSoup box = cube();
+  const Box3 around = bounding_box(box);
+  FlowMeshOptions options = inside(0.2 * around.longest_side());
+  const Vec3 room = Vec3{3, 3, 3} * options.cell;
+  options.refinements = {{{around.lower - room, around.upper + room}, 0.25 * options.cell}};
+  const FlowMesh tight = flow_mesh(box, {}, {}, options);
+  const double cells = 4 / 0.2 + 2 * 2 * 4 + 4;  // along a side: the model's, the room around it, octants
+  options.memory_bytes = static_cast<std::uint64_t>(1.3 * (800 * cells * cells * cells + 9000 * 7 * 400));
+  for (const double far : {2.5, 1e3, 1e30}) {
+    options.refinements[0].box = cube_about({0, 0, 0}, far * around.longest_side());
+    const FlowMesh made = flow_mesh(box, {}, {}, options);
+    EXPECT_EQ(made.mesh.cells(), tight.mesh.cells()) << far;
+    EXPECT_NEAR(mesh_quality(made.mesh).volume, signed_volume(box), 0.01 * signed_volume(box));
+  }
+}
+
+// The coarsest are what there is at most.
+TEST(FlowMeshRefinement, OfCellsLargerThanAllDoesNothing) {
+  const TriangleSoup ball = icosphere(3);
+  FlowMeshOptions options = inside(0.1);
+  const FlowMesh without = flow_mesh(ball, {}, {}, options);
+  for (const int power : {4, 5, 33, 64, 65, 300}) {
+    options.refinements = {{cube_about({0, 0, 0}, 1e30), std::ldexp(options.cell, power)}};
+    EXPECT_EQ(flow_mesh(ball, {}, {}, options).mesh.mesh.points, without.mesh.mesh.points) << power;
+  }
+}
+
 TEST(FlowMeshRefinement, ErrorsNameTheBoxAndWhatWouldDo) {
   const TriangleSoup ball = icosphere(3);
   const Box3 box{{0.5, 0.25, 0.125}, {0.75, 0.5, 0.5}};
