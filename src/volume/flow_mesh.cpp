@@ -32,6 +32,7 @@ constexpr double kDomainMargin = 4;  // between the band and the walls
 constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
 constexpr int kMostRefined = 5;      // levels below the cells at the surface
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
+constexpr double kRoundingOfRoom = 1e-9;  // of it
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
 constexpr double kCornerSnap = 1.12;  // and the nearest one to a corner: sqrt(5)/2, no point is farther from all nodes of cells of one size
@@ -143,13 +144,20 @@ class FlowMesher {
   }
 
   void limit_coarsest(const Box3& body) {
-    double room = std::numeric_limits<double>::infinity();
-    for (int a = 0; a < 3; ++a) room = std::min({room, body.lower[a] - options_.domain.lower[a], options_.domain.upper[a] - body.upper[a]});
-    room /= options_.cell;
-    if (!(room >= kLeastRoom))
-      throw Error(ErrorCode::usage, fmt::format("the domain, {}, cuts the model, {}, or is within {} cells of it", text_of(options_.domain), text_of(body), kLeastRoom),
-                  "choose a --domain that is larger on all sides, or a smaller --cell");
-    options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom))), 0, options_.coarsest_level);
+    const Vec3 below = body.lower - options_.domain.lower, above = options_.domain.upper - body.upper;
+    const std::array<double, 6> rooms{below.x, above.x, below.y, above.y, below.z, above.z};  // as kDomainPatches
+    const auto least = std::min_element(rooms.begin(), rooms.end());
+    const double room = *least / options_.cell;
+    if (!(room >= kLeastRoom * (1 - kRoundingOfRoom))) refuse_room(kDomainPatches[static_cast<std::size_t>(least - rooms.begin())], *least, body);
+    options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom) + kRoundingOfRoom)), 0, options_.coarsest_level);
+  }
+
+  [[noreturn]] void refuse_room(std::string_view side, double room, const Box3& body) const {
+    const std::string there = room > 0 ? fmt::format("{:.4g}", room) : "none";
+    throw Error(ErrorCode::usage,
+                fmt::format("the domain, {}, {} the model, {}, at its side {}: the room there is {}, and {} cells, {:.4g}, are needed", text_of(options_.domain), room > 0 ? "is too near to" : "cuts",
+                            text_of(body), side, there, kLeastRoom, kLeastRoom * options_.cell),
+                "choose a --domain that is larger on all sides, or a smaller --cell");
   }
 
   // By the lattice's cell that the mean of their corners lies in.

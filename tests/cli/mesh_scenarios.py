@@ -68,7 +68,7 @@ def outside_is_the_rest_of_the_domain(box):
     for domain in ("0.05", "0,0,0,1,1,1", "-1,-1,-1,0.5,2,2"):
         run = box.run(["mesh", "cube.stl", "--outside", "--domain", domain, "-o", "y.vtu", *COARSE])
         expect(run.code == 2, f"exit code {run.code} of {domain}")
-        expect_match("cuts the model|is within a cell", run.messages(), domain)
+        expect_match("cuts the model|is too near to the model", run.messages(), domain)
     box.expect_files(["x.vtu"])
 
 

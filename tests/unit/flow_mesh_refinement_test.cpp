@@ -252,6 +252,26 @@ TEST(FlowMeshMemory, AreaWithinABox) {
   EXPECT_NEAR(area_within(box, {all.lower - Vec3{1, 1, 1}, {all.upper.x + 1, all.upper.y + 1, all.lower.z + 0.25 * a}}), (1 + 4 * 0.25) * a * a, 1e-12);
 }
 
+// As many cells as are asked for are enough, however their number is rounded; where they are not there, the side is named.
+TEST(FlowMeshDomain, RoomOfExactlyFourCellsIsEnough) {
+  TriangleSoup box = cube();
+  const Box3 was = bounding_box(box);
+  for (Vec3& p : box.points) p = (p - was.lower) / was.longest_side();
+  FlowMeshOptions options = inside(0.1);
+  options.side = MeshSide::outside;
+  options.domain = {{-0.4, -0.4, -0.4}, {1.4, 1.4, 1.4}};  // 1.4 - 1 is less than 0.4
+  const FlowMesh made = flow_mesh(box, {}, {}, options);
+  EXPECT_TRUE(mesh_quality(made.mesh).ok);
+  EXPECT_NEAR(mesh_quality(made.mesh).volume, 1.8 * 1.8 * 1.8 - 1, 0.01);
+  options.domain.upper.y = 1.39;
+  const Error near = error_of(box, options);
+  EXPECT_EQ(near.code(), ErrorCode::usage);
+  for (const char* part : {"too near", "yMax", "0.39", "0.4,"}) EXPECT_TRUE(contains(near.what(), part)) << near.what();
+  options.domain.lower.z = 0.5;
+  const Error cut = error_of(box, options);
+  for (const char* part : {"cuts", "zMin", "none"}) EXPECT_TRUE(contains(cut.what(), part)) << cut.what();
+}
+
 // Asks to stop at the n-th look of a stage.
 class StopInStage : public Progress {
  public:
