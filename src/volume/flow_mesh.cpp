@@ -59,7 +59,7 @@ class FlowMesher {
 
   FlowMesh run() {
     choose_frame();
-    require_memory(surface_, options_, refinements_, region_, surface_level_);
+    require_memory(surface_, options_, refinements_, region_, surface_level_, band());
     progress_.begin_stage("distances and signs");
     const LevelSet set = level_set_from_triangles(surface_, result_.frame, level_set_options(), progress_).level_set;
     progress_.begin_stage("cells");

@@ -110,7 +110,7 @@ def wrong_command_lines_are_told_apart(box):
     refused(2, "standard output", "cube.stl", "-o", "-")
     refused(2, "cube is to be of two types, patch and wall", "cube.stl", "-o", "case", "--patch-type", "cube=patch,cube=wall")
     refused(2, r"the box \(0, 0, 0\) to \(1, 1, 1\) is to have cells of 0.001", "cube.stl", "-o", "case", *COARSE, "--refine", "0,0,0,1,1,1:0.001")
-    refused(6, r"cells of 0.001 has about \S+ cells and takes about \S+ GB; the budget is 1 GB\n  hint: choose --cell 0.0\d+ or larger", "cube.stl", "-o", "case", "--cell", "0.001", "--memory", "1G")
+    refused(6, r"cells of 0.001 takes about \S+ GB; the budget is 1 GB\n  hint: choose --cell 0.0\d+ or larger", "cube.stl", "-o", "case", "--cell", "0.001", "--memory", "1G")
     refused(4, "cube.stl", "cube.stl", "-o", "cube.stl/case")
     refused(3, "", "text.stl", "-o", "case")
     refused(5, "burnish: ", "triangle.stl", "-o", "case")

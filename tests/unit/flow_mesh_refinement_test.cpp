@@ -213,13 +213,41 @@ TEST(FlowMeshMemory, ACellThatWouldFitIsNamed) {
   options.memory_bytes = 10'000'000;
   const Error error = error_of(ball, options);
   EXPECT_EQ(error.code(), ErrorCode::memory_limit);
-  EXPECT_TRUE(std::regex_search(std::string(error.what()), std::regex("cells of 0\\.03 has about [0-9.]+k cells and takes about"))) << error.what();
+  EXPECT_TRUE(std::regex_search(std::string(error.what()), std::regex("cells of 0\\.03 takes about [0-9.]+ GB; the budget is"))) << error.what();
   std::smatch cell;
   const std::string hint = error.hint();
   ASSERT_TRUE(std::regex_search(hint, cell, std::regex("--cell ([0-9.e-]+) or larger"))) << hint;
   options.cell = std::stod(cell[1]);
   EXPECT_LT(options.cell, 0.3);
   EXPECT_GT(flow_mesh(ball, {}, {}, options).mesh.cells(), 0u);
+}
+
+// What several boxes hold is there once.
+TEST(FlowMeshMemory, BoxesOverOthersTakeNothingMore) {
+  const TriangleSoup ball = icosphere(3);
+  const Box3 box = cube_about({0, 0, 0}, 0.5);
+  FlowMeshOptions options = inside(0.1);
+  options.refinements = {{box, 0.025}};
+  options.memory_bytes = 90'000'000;
+  const FlowMesh once = flow_mesh(ball, {}, {}, options);
+  const Box3 half{box.lower, {0, box.upper.y, box.upper.z}}, other{{0, box.lower.y, box.lower.z}, box.upper};
+  options.refinements = {{box, 0.1}, {half, 0.025}, {box, 0.025}, {box, 0.05}, {other, 0.025}, {box, 0.025}, {cube_about({0, 0, 0}, 0.4), 0.025}};
+  EXPECT_EQ(flow_mesh(ball, {}, {}, options).mesh.mesh.points, once.mesh.mesh.points);
+  options.refinements = {{box, 0.1}, {box, 0.025}, {{{-0.5, -0.5, 0.2}, {0.5, 0.5, 1}}, 0.025}};
+  options.memory_bytes = 60'000'000;
+  const Error error = error_of(ball, options);
+  EXPECT_EQ(error.code(), ErrorCode::memory_limit);
+  EXPECT_TRUE(contains(error.what(), text_of(box))) << error.what();  // what is there of the third is less
+}
+
+// The level set's band is wider where flat surface may have larger cells.
+TEST(FlowMeshMemory, TheBandCounts) {
+  const TriangleSoup ball = icosphere(3);
+  FlowMeshOptions options = inside(0.05);
+  options.memory_bytes = static_cast<std::uint64_t>(1.2 * (9000 * area(ball) / (0.05 * 0.05) + 800 * 8 * 8 * 8));
+  EXPECT_GT(flow_mesh(ball, {}, {}, options).mesh.cells(), 0u);
+  options.flat_levels = 4;
+  EXPECT_EQ(error_of(ball, options).code(), ErrorCode::memory_limit);
 }
 
 // No more than a box holds is listed before somebody looks whether there is room for it.
