@@ -162,7 +162,8 @@ struct FlowMeshResult {
 // **Patches.** One for each group of the file that has facets in the repaired surface, its name made a word of OpenFOAM, unique among all; facets of the repair take the
 // group of the nearest one. Outside, the domain's sides alone are xMin, xMax, yMin, yMax, zMin, zMax.
 //
-// **Cells.** A number of cells is met within 10 % in three meshes at most, the first a smaller one; the last one counts, whatever it has. Cells are no larger than the domain has room for.
+// **Cells.** A number of cells is met within 10 % in three meshes at most, the first a smaller one; the last one counts, whatever it has; so does the last
+// that fits into memory, with a warning. Cells are no larger than the domain has room for.
 //
 // **Scale.** What is judged is what is written, scaled coordinates and all; what is told of it is in the model's units.
 //
