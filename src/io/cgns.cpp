@@ -22,6 +22,7 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kLongestName = 27;  // of a node, 32, less what sections add
+constexpr const char *kBase = "Base", *kZone = "Zone";
 constexpr std::size_t kPiece = std::size_t{1} << 20;  // bytes copied at a time
 
 struct Section {
@@ -31,16 +32,25 @@ struct Section {
 };
 constexpr std::array<Section, 4> kSections{{{CellShape::tetrahedron, TETRA_4, "Tetrahedra"}, {CellShape::pyramid, PYRA_5, "Pyramids"}, {CellShape::wedge, PENTA_6, "Prisms"}, {CellShape::hexahedron, HEXA_8, "Hexahedra"}}};
 
-// Words that fit into the names of nodes, all different.
+// At most so many bytes of a name, and no part of a character of UTF-8.
+std::string cut(const std::string& name, std::size_t bytes) {
+  const auto continues = [&](std::size_t i) { return (static_cast<unsigned char>(name[i]) & 0xc0) == 0x80; };
+  std::size_t end = std::min(bytes, name.size());
+  for (int i = 0; i < 3 && end > 0 && end < name.size() && continues(end); ++i) --end;
+  return name.substr(0, end);
+}
+
+// Words that fit into the names of nodes, all different, and none that another node beside families, sections or conditions has.
 std::vector<std::string> node_names(const std::vector<MeshPatch>& patches) {
   std::vector<std::string> names = patch_names(patches);
-  std::set<std::string> taken;
+  std::set<std::string> taken{kBase, kZone, "ZoneType", "GridCoordinates", "ZoneBC", "FamBC", "FamilyName"};
+  for (const Section& section : kSections) taken.insert(section.name);
   for (std::string& name : names) {
     const std::string whole = name;
-    name = whole.substr(0, kLongestName);
+    name = cut(whole, kLongestName);
     for (int i = 2; !taken.insert(name).second; ++i) {
       const std::string end = fmt::format("_{}", i);
-      name = whole.substr(0, kLongestName - end.size()) + end;
+      name = cut(whole, kLongestName - end.size()) + end;
     }
   }
   return names;
@@ -62,9 +72,9 @@ class CgnsFile {
   CgnsFile& operator=(const CgnsFile&) = delete;
 
   void write(const VolumeMesh& mesh, Progress& progress) {
-    check(cg_base_write(file_, "Base", 3, 3, &base_));
+    check(cg_base_write(file_, kBase, 3, 3, &base_));
     const std::array<cgsize_t, 3> size{number(mesh.mesh.points.size()), number(mesh.cells()), 0};
-    check(cg_zone_write(file_, base_, "Zone", size.data(), Unstructured, &zone_));
+    check(cg_zone_write(file_, base_, kZone, size.data(), Unstructured, &zone_));
     write_points(mesh.mesh.points);
     progress.update(0.3);
     for (const Section& section : kSections) {
@@ -158,12 +168,12 @@ void copy(const std::string& from, OutputFile& to) {
 bool has_cgns() { return true; }
 void require_cgns(const std::string&) {}
 
-// The library unlinks what it is given and makes a file of its own: that one is copied.
+// The library unlinks what it is given and makes a file of its own: that one is copied. It is named after the temporary file that is there, a name that nobody else has.
 void write_cgns(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options, Progress& progress) {
   require_elements(path, mesh);
   OutputFile file(path, options.overwrite);
   {
-    const OutputFile scratch(path + ".cgns", true);
+    const OutputFile scratch(file.temporary_path(), true);
     CgnsFile(scratch.temporary_path(), path).write(mesh, progress);
     copy(scratch.temporary_path(), file);
   }

@@ -130,15 +130,26 @@ class FlowMeshRun {
     return {wanted.count, wanted.first ? length(*wanted.first, cell) : kDefaultThickness * cell / std::max(1.0, whole), wanted.ratio};
   }
 
-  // What was asked for; refuses what no mesh can make room for, warns of cells that checkMesh will not have.
+  // In cells.
+  double thickness_of_layers(double cell) const {
+    const WallLayers wanted = layers(cell);
+    return wanted.first * sum_of_heights(wanted.count, wanted.ratio) / cell;
+  }
+
+  // What no mesh can make room for.
+  std::optional<Error> layers_too_thick(double cell) const {
+    const double thickness = thickness_of_layers(cell);
+    if (thickness <= kThickestLayers) return std::nullopt;
+    return Error(ErrorCode::usage, fmt::format("the layers are {:.3g} cells thick together, where cells are {:.4g}; at most {} have room", thickness, cell, kThickestLayers),
+                 fmt::format("give fewer --layers or a smaller --first, or {}", job_.cells ? "a smaller number of --cells" : "a larger --cell"));
+  }
+
+  // What was asked for; warns of cells that checkMesh will not have.
   void tell_layers_wanted(double cell) {
     const WallLayers wanted = layers(cell);
     if (wanted.count == 0) return;
-    const double thickness = wanted.first * sum_of_heights(wanted.count, wanted.ratio);
-    if (thickness > kThickestLayers * cell)
-      throw Error(ErrorCode::usage, fmt::format("the layers are {:.3g} cells thick together; at most {} have room", thickness / cell, kThickestLayers), "give fewer --layers or a smaller --first, or a larger --cell");
-    result_.layers = {wanted.count, wanted.first, wanted.ratio, thickness, 0, 0, 0};
-    if (wanted.first < kFlattestLayer * cell && !job_.cells)
+    result_.layers = {wanted.count, wanted.first, wanted.ratio, thickness_of_layers(cell) * cell, 0, 0, 0};
+    if (wanted.first < kFlattestLayer * cell)
       result_.warnings.push_back(fmt::format("layers of {:.2g} cells height: checkMesh -allGeometry takes cells flatter than {} for badly shaped; they will be missing in places", wanted.first / cell, kFlattestLayer));
   }
 
@@ -153,6 +164,8 @@ class FlowMeshRun {
     options.cells_between_levels = job_.cells_between_levels;
     options.crease_angle = job_.crease_angle;
     options.layers = layers(cell);
+    // On the way to a number of cells, layers that have no room are as thick as they can be.
+    options.layers.first *= std::min(1.0, kThickestLayers / std::max(kThickestLayers, thickness_of_layers(cell)));
     options.memory_bytes = job_.options.memory_bytes;
     if (job_.side == MeshSide::outside) options.domain = domain();
     for (const BoxWithCell& r : job_.refinements) options.refinements.push_back({r.box, length(r.cell, cell)});
@@ -162,7 +175,9 @@ class FlowMeshRun {
   bool mesh() {
     patches_ = surface_patches(surface_, job_.one_patch, job_.side);
     require_patches_of_types();
-    return job_.cells ? mesh_of_number() : mesh_of_cell();
+    if (!(job_.cells ? mesh_of_number() : mesh_of_cell())) return false;
+    tell_layers_wanted(result_.cell);
+    return true;
   }
 
   // Before the work: what the patches will be called is known.
@@ -176,35 +191,57 @@ class FlowMeshRun {
 
   bool mesh_of_cell() {
     result_.cell_was_chosen = !job_.cell;
-    return mesh(job_.cell ? length(*job_.cell, 0) : result_.solid.box.longest_side() / kMeshCellsAlongLongestSide);
+    const double cell = job_.cell ? length(*job_.cell, 0) : result_.solid.box.longest_side() / kMeshCellsAlongLongestSide;
+    if (const std::optional<Error> error = layers_too_thick(cell)) throw *error;
+    return mesh(cell);
   }
 
+  // The number of cells is met; layers are judged by the cells that it took.
   bool mesh_of_number() {
     require_memory_for_number();
     CellChooser chooser(*job_.cells, result_.solid.area);
     result_.cell_was_chosen = true;
+    const bool meshed = try_cells(chooser);
+    result_.trials = chooser.trials();
+    if (meshed) result_.failure = layers_too_thick(result_.cell);
+    return meshed && !result_.failure;
+  }
+
+  // Leaves the last mesh of the trials; false if there is none.
+  bool try_cells(CellChooser& chooser) {
     double smaller = 1;
     const double largest = largest_cell_of_domain();
     while (const std::optional<double> next = chooser.next()) {
       const double cell = std::min(*next * smaller, largest);
-      if (!chooser.trials().empty() && cell == chooser.trials().back().cell) {
+      const bool is_first = chooser.trials().empty();
+      if (!is_first && cell == chooser.trials().back().cell) {
         result_.warnings.push_back(fmt::format("the domain is near the model: cells larger than {:.4g} have no room there, and with these there are more than {}", largest, *job_.cells));
         break;
       }
       flow_ = {};
-      if (mesh(cell)) {
+      if (is_first ? mesh(cell) : mesh_within_memory(cell)) {
         chooser.learn(cell, flow_.mesh.cells());
         smaller = 1;
         continue;
       }
       // The first guess knows the surface's area alone: a plate may be thinner than such a cell.
-      if (!chooser.trials().empty()) return mesh_again(chooser);
+      if (!is_first) return mesh_again(chooser);
       if (smaller < kSmallestGuess) return false;
       result_.failure.reset();
       smaller /= 2;
     }
-    result_.trials = chooser.trials();
     return true;
+  }
+
+  // False, and told, where there is no room for it: there is a smaller mesh.
+  bool mesh_within_memory(double cell) {
+    try {
+      return mesh(cell);
+    } catch (const Error& error) {
+      if (error.code() != ErrorCode::memory_limit) throw;
+      result_.warnings.push_back(fmt::format("no more cells fit into memory on the way to {}: {}; raise --memory", *job_.cells, error.what()));
+      return false;
+    }
   }
 
   // Four of them fit between the model and the domain's nearest side. A domain that cuts the model is told of by the mesher.
@@ -216,10 +253,9 @@ class FlowMeshRun {
     return room > 0 ? kWithinRoom * room / kLeastRoom : std::numeric_limits<double>::infinity();
   }
 
-  // So few cells hold nothing: the last mesh that there was counts.
+  // So few cells hold nothing, or so many do not fit: the last mesh that there was counts.
   bool mesh_again(const CellChooser& chooser) {
     result_.failure.reset();
-    result_.trials = chooser.trials();
     return mesh(chooser.trials().back().cell);
   }
 
@@ -234,12 +270,13 @@ class FlowMeshRun {
   bool mesh(double cell) {
     result_.cell = cell;
     result_.cells_along_longest_side = result_.solid.box.longest_side() / cell;
-    tell_layers_wanted(cell);
     begin("meshing");
     const double start = process_cpu_seconds();
     try {
       flow_ = flow_mesh(surface_, patches_.of_facet, patches_.names, mesh_options(cell), progress_);
     } catch (const Error& error) {
+      if (error.code() == ErrorCode::memory_limit && job_.cells && error.hint().find("--cell ") != std::string::npos)
+        throw Error(error.code(), error.what(), "ask for fewer --cells, or larger cells in boxes, or raise --memory");
       if (error.code() != ErrorCode::guarantee_unmet) throw;
       result_.failure = Error(error.code(), error.what(), way_out_of_large_cell());
       return false;
@@ -277,7 +314,7 @@ class FlowMeshRun {
       write_volume_mesh(job_.output, flow_.mesh, job_.write, progress_);
       result_.written = true;
     } catch (const Error& error) {
-      if (error.code() != ErrorCode::unwritable_output) throw;
+      if (error.code() == ErrorCode::interrupted || error.code() == ErrorCode::bug) throw;
       result_.failure = error;
     }
   }

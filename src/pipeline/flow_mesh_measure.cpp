@@ -16,6 +16,7 @@ constexpr double kLossCells = 1.5;              // the surface farther than this
 constexpr std::size_t kMostPlaces = 1000;       // listed of a check
 constexpr std::size_t kPlacesOfMessage = 3;
 constexpr double kVolumeOff = 0.02;             // of what is wanted, without a word
+constexpr double kWellCovered = 0.5;           // of the wall by layers, without a word
 
 double volume_of(const Box3& box) {
   const Vec3 e = box.extent();
@@ -115,6 +116,9 @@ void tell_mesh(const FlowMesh& flow, const SurfacePatches& patches, const Box3& 
   const LayerCoverage& layers = flow.layers;
   result.layers.covered = layers.wall_area > 0 ? layers.covered_area / layers.wall_area : 0;
   result.layers.least_first = layers.least_first, result.layers.greatest_first = layers.greatest_first;
+  if (result.layers.count > 0 && result.layers.covered < kWellCovered)
+    result.warnings.push_back(fmt::format("only {:.2g} % of the wall's area has all layers: where the model has sharp edges they often have no room; a smaller --cell or thinner layers may keep more",
+                                          100 * result.layers.covered));
   result.warnings.insert(result.warnings.end(), flow.notes.begin(), flow.notes.end());
   tell_sizes(mesh, result);
   for (std::size_t i = 0; i < mesh.patches.size(); ++i) result.patches.push_back(told_patch(mesh, i, patches));

@@ -170,7 +170,7 @@ CellLattice::CellLattice(const LevelSet& set, const FlowMeshOptions& options, st
 // [T-HEX-2]
 void CellLattice::choose_cells(const LevelSet& set, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, int surface_level, const LatticeBox& region, Progress& progress) {
   const int depth = set.frame.depth + 2;
-  if (depth > morton::kMaxDepth) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^20 cells along a side", "choose a larger --cell");
+  if (depth > morton::kMaxDepth) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^20 cells along a side", "choose a larger --cell, or larger cells in boxes");
   Cells keys, below;  // below: what has to be there at the level below
   std::vector<SurfaceCell> surface;
   append_surface_cells(set, 0, surface);
@@ -227,7 +227,7 @@ void CellLattice::number_nodes() {
     if (keys_.empty() || keys_.back() != n.first) keys_.push_back(n.first);
     corners_[n.second] = static_cast<std::uint32_t>(keys_.size() - 1);
   }
-  if (keys_.size() + tree_.size() >= kNoNode) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^32 nodes", "choose a larger --cell");
+  if (keys_.size() + tree_.size() >= kNoNode) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^32 nodes", "choose a larger --cell, or larger cells in boxes");
 }
 
 void CellLattice::mark_splits() {

@@ -32,6 +32,7 @@ constexpr double kDomainMargin = 4;  // between the band and the walls
 constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
 constexpr int kMostRefined = 5;      // levels below the cells at the surface
 constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
+constexpr double kRoundingOfRoom = 1e-9;  // of it
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
 constexpr double kCornerSnap = 1.12;  // and the nearest one to a corner: sqrt(5)/2, no point is farther from all nodes of cells of one size
@@ -58,7 +59,7 @@ class FlowMesher {
 
   FlowMesh run() {
     choose_frame();
-    require_memory(surface_, options_, refinements_, region_, surface_level_);
+    require_memory(surface_, options_, refinements_, region_, surface_level_, band());
     progress_.begin_stage("distances and signs");
     const LevelSet set = level_set_from_triangles(surface_, result_.frame, level_set_options(), progress_).level_set;
     progress_.begin_stage("cells");
@@ -117,7 +118,18 @@ class FlowMesher {
       to = outside() ? rounded(upper[a], std::round) : rounded(upper[a] + kInsideRoom * surface_cell(), std::ceil);
     }
     choose_stretch(body);
-    refinements_ = on_lattice(options_, result_.frame, stretch_, region_, surface_level_);
+    refinements_ = on_lattice(options_, result_.frame, stretch_, cells_of_mesh(lower, upper), surface_level_);
+  }
+
+  // What boxes are cut to: the region, of which inside no more counts than what is around the surface's box, from `lower` to `upper` in finest cells.
+  LatticeBox cells_of_mesh(const Vec3& lower, const Vec3& upper) const {
+    LatticeBox cells = region_;
+    for (int a = 0; !outside() && a < 3; ++a) {
+      const auto i = static_cast<std::size_t>(a);
+      cells.lower[i] = std::max(cells.lower[i], static_cast<std::int64_t>(std::floor(lower[a] - kInsideRoom * surface_cell())));
+      cells.upper[i] = std::min(cells.upper[i], static_cast<std::int64_t>(std::ceil(upper[a] + kInsideRoom * surface_cell())));
+    }
+    return cells;
   }
 
   // [T-HEX-8] Within two cells around the surface's box nothing is stretched.
@@ -132,13 +144,20 @@ class FlowMesher {
   }
 
   void limit_coarsest(const Box3& body) {
-    double room = std::numeric_limits<double>::infinity();
-    for (int a = 0; a < 3; ++a) room = std::min({room, body.lower[a] - options_.domain.lower[a], options_.domain.upper[a] - body.upper[a]});
-    room /= options_.cell;
-    if (!(room >= kLeastRoom))
-      throw Error(ErrorCode::usage, fmt::format("the domain, {}, cuts the model, {}, or is within {} cells of it", text_of(options_.domain), text_of(body), kLeastRoom),
-                  "choose a --domain that is larger on all sides, or a smaller --cell");
-    options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom))), 0, options_.coarsest_level);
+    const Vec3 below = body.lower - options_.domain.lower, above = options_.domain.upper - body.upper;
+    const std::array<double, 6> rooms{below.x, above.x, below.y, above.y, below.z, above.z};  // as kDomainPatches
+    const auto least = std::min_element(rooms.begin(), rooms.end());
+    const double room = *least / options_.cell;
+    if (!(room >= kLeastRoom * (1 - kRoundingOfRoom))) refuse_room(kDomainPatches[static_cast<std::size_t>(least - rooms.begin())], *least, body);
+    options_.coarsest_level = std::clamp(static_cast<int>(std::floor(std::log2(room / kCellsOfRoom) + kRoundingOfRoom)), 0, options_.coarsest_level);
+  }
+
+  [[noreturn]] void refuse_room(std::string_view side, double room, const Box3& body) const {
+    const std::string there = room > 0 ? fmt::format("{:.4g}", room) : "none";
+    throw Error(ErrorCode::usage,
+                fmt::format("the domain, {}, {} the model, {}, at its side {}: the room there is {}, and {} cells, {:.4g}, are needed", text_of(options_.domain), room > 0 ? "is too near to" : "cuts",
+                            text_of(body), side, there, kLeastRoom, kLeastRoom * options_.cell),
+                "choose a --domain that is larger on all sides, or a smaller --cell");
   }
 
   // By the lattice's cell that the mean of their corners lies in.

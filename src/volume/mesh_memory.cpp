@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -14,7 +15,9 @@ namespace burnish {
 namespace {
 
 constexpr double kBytesPerCell = 800, kBytesAtSurface = 9000;  // measured; the latter per square of a cell's side, where all of the surface has the finest cells
+constexpr double kBytesOfBand = 110, kUsualBand = 8;           // of the level set: what each lattice unit of its band takes more, for the same square
 constexpr double kToBeSafe = 1.05;
+constexpr std::size_t kMostPieces = 1000;  // of a box, beside others
 
 // What is on the inner side of a plane across an axis.
 std::vector<Vec3> cut(const std::vector<Vec3>& polygon, int axis, double at, double side) {
@@ -43,17 +46,50 @@ std::string gigabytes(double bytes) {
   return n >= 10 ? fmt::format("{:.0f} GB", n) : fmt::format("{:.2g} GB", n);
 }
 
-// "has about 3M cells and takes about 2.4 GB; the budget is 1 GB".
+// "takes about 2.4 GB; the budget is 1 GB".
 std::string amounts(double bytes, const FlowMeshOptions& options) {
-  return fmt::format("has about {} cells and takes about {}; the budget is {}", rounded_count(bytes / kBytesPerCell), gigabytes(bytes), gigabytes(static_cast<double>(options.memory_bytes)));
+  return fmt::format("takes about {}; the budget is {}", gigabytes(bytes), gigabytes(static_cast<double>(options.memory_bytes)));
+}
+
+double volume(const LatticeBox& box) {
+  double product = 1;
+  for (std::size_t a = 0; a < 3; ++a) product *= static_cast<double>(box.upper[a] - box.lower[a]);
+  return product;
+}
+
+// Appends what a box holds beside another: at most six boxes.
+void append_rest(LatticeBox box, const LatticeBox& other, std::vector<LatticeBox>& rest) {
+  for (std::size_t a = 0; a < 3; ++a)
+    if (other.upper[a] <= box.lower[a] || other.lower[a] >= box.upper[a]) return rest.push_back(box);
+  for (std::size_t a = 0; a < 3; ++a) {
+    LatticeBox below = box, above = box;
+    below.upper[a] = box.lower[a] = std::max(box.lower[a], other.lower[a]);
+    above.lower[a] = box.upper[a] = std::min(box.upper[a], other.upper[a]);
+    if (below.lower[a] < below.upper[a]) rest.push_back(below);
+    if (above.lower[a] < above.upper[a]) rest.push_back(above);
+  }
+}
+
+// The share of a box that none of the others holds; too much where it is in very many pieces.
+double share_beside(const LatticeBox& box, std::span<const LatticeBox> others) {
+  std::vector<LatticeBox> pieces{box}, rest;
+  for (const LatticeBox& other : others) {
+    rest.clear();
+    for (const LatticeBox& piece : pieces) append_rest(piece, other, rest);
+    pieces.swap(rest);
+    if (pieces.empty() || pieces.size() > kMostPieces) break;
+  }
+  double sum = 0;
+  for (const LatticeBox& piece : pieces) sum += volume(piece);
+  return sum / volume(box);
 }
 
 class MemoryNeed {
  public:
-  MemoryNeed(const TriangleSoup& surface, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, const LatticeBox& region, int surface_level)
-      : options_(options), refinements_(refinements), surface_level_(surface_level), surface_(kBytesAtSurface * area(surface) / (options.cell * options.cell)),
-        region_(kBytesPerCell * region.octants(surface_level + options.coarsest_level)) {
-    for (const LatticeRefinement& r : refinements) boxes_.push_back(of_box(r, surface));
+  MemoryNeed(const TriangleSoup& surface, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, const LatticeBox& region, int surface_level, double band)
+      : options_(options), refinements_(refinements), surface_level_(surface_level), at_surface_(kBytesAtSurface + kBytesOfBand * std::max(0.0, band - kUsualBand)),
+        surface_(at_surface_ * area(surface) / (options.cell * options.cell)), region_(kBytesPerCell * region.octants(surface_level + options.coarsest_level)) {
+    count_boxes(surface);
   }
 
   void require() const {
@@ -68,9 +104,22 @@ class MemoryNeed {
  private:
   double cell_of(int level) const { return std::ldexp(options_.cell, level - surface_level_); }
 
+  // Of each box what is in none of smaller cells, and in none before it of the same.
+  void count_boxes(const TriangleSoup& surface) {
+    std::vector<std::size_t> order(refinements_.size());
+    std::iota(order.begin(), order.end(), std::size_t{0});
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return refinements_[a].level < refinements_[b].level; });
+    boxes_.resize(order.size());
+    std::vector<LatticeBox> before;
+    for (const std::size_t i : order) {
+      boxes_[i] = share_beside(refinements_[i].box, before) * of_box(refinements_[i], surface);
+      before.push_back(refinements_[i].box);
+    }
+  }
+
   double of_box(const LatticeRefinement& r, const TriangleSoup& surface) const {
     const double cells = 8 * r.box.octants(r.level + 1) * kBytesPerCell, side = cell_of(r.level);
-    return r.level < surface_level_ ? cells + kBytesAtSurface * area_within(surface, options_.refinements[r.number].box) / (side * side) : cells;
+    return r.level < surface_level_ ? cells + at_surface_ * area_within(surface, options_.refinements[r.number].box) / (side * side) : cells;
   }
 
   [[noreturn]] void refuse_cell(double bytes, double budget) const {
@@ -95,6 +144,7 @@ class MemoryNeed {
   const FlowMeshOptions& options_;
   std::span<const LatticeRefinement> refinements_;
   int surface_level_;
+  double at_surface_;        // bytes for a square of a cell's side
   double surface_, region_;  // bytes
   std::vector<double> boxes_;
 };
@@ -111,14 +161,14 @@ double area_within(const TriangleSoup& surface, const Box3& box) {
   return sum;
 }
 
-void require_memory(const TriangleSoup& surface, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, const LatticeBox& region, int surface_level) {
-  MemoryNeed(surface, options, refinements, region, surface_level).require();
+void require_memory(const TriangleSoup& surface, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, const LatticeBox& region, int surface_level, double band) {
+  MemoryNeed(surface, options, refinements, region, surface_level, band).require();
 }
 
 void require_memory(std::uint64_t cells, const FlowMeshOptions& options) {
   const double bytes = kBytesPerCell * static_cast<double>(cells), budget = static_cast<double>(options.memory_bytes);
   if (bytes <= budget) return;
-  throw Error(ErrorCode::memory_limit, fmt::format("a mesh with cells of {:.4g} {}", options.cell, amounts(bytes, options)),
+  throw Error(ErrorCode::memory_limit, fmt::format("a mesh with cells of {:.4g} has about {} cells and {}", options.cell, rounded_count(static_cast<double>(cells)), amounts(bytes, options)),
               fmt::format("choose --cell {:.3g} or larger{}, or raise --memory", kToBeSafe * options.cell * std::sqrt(bytes / budget), options.refinements.empty() ? "" : ", or larger cells in boxes"));
 }
 

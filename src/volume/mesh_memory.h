@@ -11,10 +11,11 @@
 namespace burnish {
 
 // Throws Error{memory_limit} for a mesh that would not fit into options.memory_bytes. The message names what takes most (cells at the surface, a refinement, the largest cells), and
-// what would fit. `region`: all that has cells; levels as CellLattice has them. Within a factor of 2.
-void require_memory(const TriangleSoup& surface, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, const LatticeBox& region, int surface_level);
+// what would fit. `region`: all that has cells; levels as CellLattice has them; `band`: of the level set, in lattice units of its cells. What several boxes hold counts once, with the smallest
+// cells. Within a factor of 2.
+void require_memory(const TriangleSoup& surface, const FlowMeshOptions& options, std::span<const LatticeRefinement> refinements, const LatticeBox& region, int surface_level, double band);
 
-// The same once the number of cells is known.
+// The same once the number of cells is known (before those at the surface are cut), which is told.
 void require_memory(std::uint64_t cells, const FlowMeshOptions& options);
 
 // The area of what a box holds of the surface.

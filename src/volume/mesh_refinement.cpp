@@ -40,13 +40,18 @@ Box3 in_lattice_units(const LatticeBox& box) {
   return result;
 }
 
+// The whole number in a range that is nearest to a coordinate, which may be one that no integer holds.
+std::int64_t within(double x, std::int64_t least, std::int64_t most) {
+  return static_cast<std::int64_t>(std::clamp(x, static_cast<double>(least), static_cast<double>(most)));
+}
+
 // A box of the lattice in whole cells, at least one, of the region.
 LatticeBox in_cells(const Box3& box, const LatticeBox& region) {
   LatticeBox cells;
   for (int a = 0; a < 3; ++a) {
     const auto i = static_cast<std::size_t>(a);
-    cells.lower[i] = std::clamp(static_cast<std::int64_t>(std::floor(box.lower[a] / 2 + kRounding)), region.lower[i], region.upper[i] - 1);
-    cells.upper[i] = std::clamp(static_cast<std::int64_t>(std::ceil(box.upper[a] / 2 - kRounding)), cells.lower[i] + 1, region.upper[i]);
+    cells.lower[i] = within(std::floor(box.lower[a] / 2 + kRounding), region.lower[i], region.upper[i] - 1);
+    cells.upper[i] = within(std::ceil(box.upper[a] / 2 - kRounding), cells.lower[i] + 1, region.upper[i]);
   }
   return cells;
 }
@@ -89,13 +94,14 @@ int levels_below_surface(const FlowMeshOptions& options, int most) {
   return levels;
 }
 
-std::vector<LatticeRefinement> on_lattice(const FlowMeshOptions& options, const GridFrame& frame, const DomainStretch& stretch, const LatticeBox& region, int surface_level) {
+std::vector<LatticeRefinement> on_lattice(const FlowMeshOptions& options, const GridFrame& frame, const DomainStretch& stretch, const LatticeBox& cells, int surface_level) {
   std::vector<LatticeRefinement> result;
   for (std::size_t i = 0; i < options.refinements.size(); ++i) {
     const MeshRefinement& r = options.refinements[i];
     const Box3 box{stretch.to_lattice(frame.to_lattice(r.box.lower)), stretch.to_lattice(frame.to_lattice(r.box.upper))};
-    const int level = surface_level + static_cast<int>(std::floor(std::log2(r.cell / options.cell) + kRounding));
-    result.push_back({in_cells(box, region), std::max(0, level), i});
+    // Larger cells than the coarsest are not there: such a box has them as they are.
+    const double level = surface_level + std::floor(std::log2(r.cell / options.cell) + kRounding);
+    result.push_back({in_cells(box, cells), static_cast<int>(within(level, 0, surface_level + options.coarsest_level)), i});
   }
   return result;
 }

@@ -45,8 +45,8 @@ void drop_refinements_beside(const Box3& meshed, std::vector<MeshRefinement>& re
 // How many levels of cells there have to be below those at the surface. Throws Error{usage} for a box that asks for more than `most`, naming it.
 int levels_below_surface(const FlowMeshOptions& options, int most);
 
-// The refinements as the lattice has them, which all meet its region.
-std::vector<LatticeRefinement> on_lattice(const FlowMeshOptions& options, const GridFrame& frame, const DomainStretch& stretch, const LatticeBox& region, int surface_level);
+// The refinements as the lattice has them, of no larger cells than the coarsest, and cut to `cells`: the part of its region where cells may be of the mesh.
+std::vector<LatticeRefinement> on_lattice(const FlowMeshOptions& options, const GridFrame& frame, const DomainStretch& stretch, const LatticeBox& cells, int surface_level);
 
 // Where the level set has to be finer than cells at the surface ask for: around the refinements, as far as cells of each level below that of the surface reach.
 std::vector<LevelInBox> level_set_boxes(std::span<const LatticeRefinement> refinements, int cells_between_levels, int surface_level);

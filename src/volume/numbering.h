@@ -13,7 +13,7 @@ namespace burnish {
 // Throws Error{memory_limit} unless 0 ... count - 1 are numbers of 32 bits other than the last of them, which stands for none.
 inline void require_numbers(std::uint64_t count, std::string_view things) {
   if (count > 0xffffffffu)
-    throw Error(ErrorCode::memory_limit, fmt::format("the mesh would have {} {}, and 32 bits number {}", count, things, 0xffffffffu), "choose a larger --cell");
+    throw Error(ErrorCode::memory_limit, fmt::format("the mesh would have {} {}, and 32 bits number {}", count, things, 0xffffffffu), "choose a larger --cell, or larger cells in boxes");
 }
 
 }  // namespace burnish

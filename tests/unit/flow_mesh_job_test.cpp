@@ -211,6 +211,84 @@ TEST(FlowMeshJob, AMeshThatCannotBeWrittenIsToldAllTheSame) {
   EXPECT_GT(result.quality.cells, 0u);
 }
 
+// Whatever the reason is.
+TEST(FlowMeshJob, AMeshThatNoFormatTakesIsToldAllTheSame) {
+  Fixture f;
+  f.job.write.msh_version = 40;
+  f.job.output = f.folder.path("mesh.msh");
+  const FlowMeshResult result = flow_mesh(f.job);
+  ASSERT_TRUE(result.failure);
+  EXPECT_EQ(result.failure->code(), ErrorCode::usage);
+  EXPECT_TRUE(result.meshed && result.good && !result.written);
+  EXPECT_GT(result.quality.cells, 0u);
+  EXPECT_FALSE(f.folder.has("mesh.msh"));
+}
+
+bool warns_of(const FlowMeshResult& result, const std::string& part) {
+  return std::any_of(result.warnings.begin(), result.warnings.end(), [&](const std::string& w) { return w.find(part) != w.npos; });
+}
+
+// More than fits after a mesh that did: that one is the result.
+TEST(FlowMeshJob, ANumberOfCellsThatDoesNotFitLeavesTheMeshBefore) {
+  Fixture f;
+  f.job.cell.reset();
+  f.job.cells = 100'000;
+  f.job.options.memory_bytes = 110'000'000;
+  const FlowMeshResult result = flow_mesh(f.job);
+  ASSERT_FALSE(result.failure) << result.failure->what();
+  ASSERT_EQ(result.trials.size(), 1u);
+  EXPECT_TRUE(result.written && result.good);
+  EXPECT_EQ(result.cell, result.trials[0].cell);
+  EXPECT_EQ(result.quality.cells, result.trials[0].cells);
+  EXPECT_TRUE(warns_of(result, "memory"));
+}
+
+// Layers are judged by the cells of the result: those of the first mesh, which were too small for them, do not matter.
+TEST(FlowMeshJob, LayersHaveToFitTheLastOfTheTrials) {
+  Fixture f;
+  f.job.output.clear();
+  f.job.side = MeshSide::outside;
+  f.job.cell.reset();
+  f.job.cells = 5'000;
+  f.job.layers = {3, Length{0.0604, LengthUnit::model}, 1.2};
+  const FlowMeshResult result = flow_mesh(f.job);
+  const double thickness = 0.0604 * (1 + 1.2 + 1.44);
+  ASSERT_GT(result.trials.size(), 1u);
+  EXPECT_GT(thickness, kThickestLayers * result.trials.front().cell);
+  EXPECT_LT(thickness, kThickestLayers * result.cell);
+  ASSERT_FALSE(result.failure) << result.failure->what();
+  EXPECT_NEAR(result.layers.thickness, thickness, 1e-12);
+  EXPECT_EQ(warns_of(result, "of the wall's area"), result.layers.covered < 0.5);
+}
+
+TEST(FlowMeshJob, LayersThatHaveNoRoomInANumberOfCells) {
+  Fixture f;
+  f.job.output.clear();
+  f.job.cell.reset();
+  f.job.cells = 5'000;
+  f.job.layers = {2, Length{0.3, LengthUnit::model}, 1};
+  const FlowMeshResult thick = flow_mesh(f.job);
+  ASSERT_TRUE(thick.failure);
+  EXPECT_EQ(thick.failure->code(), ErrorCode::usage);
+  EXPECT_NE(thick.failure->hint().find("--cells"), std::string::npos) << thick.failure->hint();
+  EXPECT_FALSE(thick.trials.empty());
+  f.job.layers.first = Length{1e-4, LengthUnit::model};
+  EXPECT_TRUE(warns_of(flow_mesh(f.job), "badly shaped"));
+}
+
+TEST(FlowMeshJob, LayersThatAreNearlyNowhereAreWarnedOf) {
+  Fixture f;
+  f.job.output.clear();
+  f.job.layers.count = 3;
+  const FlowMeshResult smooth = flow_mesh(f.job);
+  EXPECT_GT(smooth.layers.covered, 0.5);
+  EXPECT_FALSE(warns_of(smooth, "of the wall's area"));
+  f.job.side = MeshSide::outside;
+  f.job.input = f.folder.write("cube.ply", cube());
+  const FlowMeshResult sharp = flow_mesh(f.job);
+  EXPECT_EQ(warns_of(sharp, "of the wall's area"), sharp.layers.covered < 0.5) << sharp.layers.covered;
+}
+
 // The first, small mesh would have cells that have no room between model and domain.
 TEST(FlowMeshJob, ANumberOfCellsInANarrowDomain) {
   Fixture f;

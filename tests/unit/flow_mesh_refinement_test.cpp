@@ -157,6 +157,35 @@ TEST(FlowMeshRefinement, BesideTheMeshIsDroppedAndTold) {
   }
 }
 
+// Around the model there is nothing to be refined: not more cells than with a box somewhat larger than the model, and within its memory.
+TEST(FlowMeshRefinement, IsCutToWhatIsMeshed) {
+  const TriangleSoup box = cube();
+  const Box3 around = bounding_box(box);
+  FlowMeshOptions options = inside(0.2 * around.longest_side());
+  const Vec3 room = Vec3{3, 3, 3} * options.cell;
+  options.refinements = {{{around.lower - room, around.upper + room}, 0.25 * options.cell}};
+  const FlowMesh tight = flow_mesh(box, {}, {}, options);
+  const double cells = 4 / 0.2 + 2 * 2 * 4 + 4;  // along a side: the model's, the room around it, octants
+  options.memory_bytes = static_cast<std::uint64_t>(1.3 * (800 * cells * cells * cells + 9000 * 7 * 400));
+  for (const double far : {2.5, 1e3, 1e30}) {
+    options.refinements[0].box = cube_about({0, 0, 0}, far * around.longest_side());
+    const FlowMesh made = flow_mesh(box, {}, {}, options);
+    EXPECT_EQ(made.mesh.cells(), tight.mesh.cells()) << far;
+    EXPECT_NEAR(mesh_quality(made.mesh).volume, signed_volume(box), 0.01 * signed_volume(box));
+  }
+}
+
+// The coarsest are what there is at most.
+TEST(FlowMeshRefinement, OfCellsLargerThanAllDoesNothing) {
+  const TriangleSoup ball = icosphere(3);
+  FlowMeshOptions options = inside(0.1);
+  const FlowMesh without = flow_mesh(ball, {}, {}, options);
+  for (const int power : {4, 5, 33, 64, 65, 300}) {
+    options.refinements = {{cube_about({0, 0, 0}, 1e30), std::ldexp(options.cell, power)}};
+    EXPECT_EQ(flow_mesh(ball, {}, {}, options).mesh.mesh.points, without.mesh.mesh.points) << power;
+  }
+}
+
 TEST(FlowMeshRefinement, ErrorsNameTheBoxAndWhatWouldDo) {
   const TriangleSoup ball = icosphere(3);
   const Box3 box{{0.5, 0.25, 0.125}, {0.75, 0.5, 0.5}};
@@ -184,13 +213,41 @@ TEST(FlowMeshMemory, ACellThatWouldFitIsNamed) {
   options.memory_bytes = 10'000'000;
   const Error error = error_of(ball, options);
   EXPECT_EQ(error.code(), ErrorCode::memory_limit);
-  EXPECT_TRUE(std::regex_search(std::string(error.what()), std::regex("cells of 0\\.03 has about [0-9.]+k cells and takes about"))) << error.what();
+  EXPECT_TRUE(std::regex_search(std::string(error.what()), std::regex("cells of 0\\.03 takes about [0-9.]+ GB; the budget is"))) << error.what();
   std::smatch cell;
   const std::string hint = error.hint();
   ASSERT_TRUE(std::regex_search(hint, cell, std::regex("--cell ([0-9.e-]+) or larger"))) << hint;
   options.cell = std::stod(cell[1]);
   EXPECT_LT(options.cell, 0.3);
   EXPECT_GT(flow_mesh(ball, {}, {}, options).mesh.cells(), 0u);
+}
+
+// What several boxes hold is there once.
+TEST(FlowMeshMemory, BoxesOverOthersTakeNothingMore) {
+  const TriangleSoup ball = icosphere(3);
+  const Box3 box = cube_about({0, 0, 0}, 0.5);
+  FlowMeshOptions options = inside(0.1);
+  options.refinements = {{box, 0.025}};
+  options.memory_bytes = 90'000'000;
+  const FlowMesh once = flow_mesh(ball, {}, {}, options);
+  const Box3 half{box.lower, {0, box.upper.y, box.upper.z}}, other{{0, box.lower.y, box.lower.z}, box.upper};
+  options.refinements = {{box, 0.1}, {half, 0.025}, {box, 0.025}, {box, 0.05}, {other, 0.025}, {box, 0.025}, {cube_about({0, 0, 0}, 0.4), 0.025}};
+  EXPECT_EQ(flow_mesh(ball, {}, {}, options).mesh.mesh.points, once.mesh.mesh.points);
+  options.refinements = {{box, 0.1}, {box, 0.025}, {{{-0.5, -0.5, 0.2}, {0.5, 0.5, 1}}, 0.025}};
+  options.memory_bytes = 60'000'000;
+  const Error error = error_of(ball, options);
+  EXPECT_EQ(error.code(), ErrorCode::memory_limit);
+  EXPECT_TRUE(contains(error.what(), text_of(box))) << error.what();  // what is there of the third is less
+}
+
+// The level set's band is wider where flat surface may have larger cells.
+TEST(FlowMeshMemory, TheBandCounts) {
+  const TriangleSoup ball = icosphere(3);
+  FlowMeshOptions options = inside(0.05);
+  options.memory_bytes = static_cast<std::uint64_t>(1.2 * (9000 * area(ball) / (0.05 * 0.05) + 800 * 8 * 8 * 8));
+  EXPECT_GT(flow_mesh(ball, {}, {}, options).mesh.cells(), 0u);
+  options.flat_levels = 4;
+  EXPECT_EQ(error_of(ball, options).code(), ErrorCode::memory_limit);
 }
 
 // No more than a box holds is listed before somebody looks whether there is room for it.
@@ -221,6 +278,26 @@ TEST(FlowMeshMemory, AreaWithinABox) {
   const Box3 all = bounding_box(box);
   const double a = all.longest_side();
   EXPECT_NEAR(area_within(box, {all.lower - Vec3{1, 1, 1}, {all.upper.x + 1, all.upper.y + 1, all.lower.z + 0.25 * a}}), (1 + 4 * 0.25) * a * a, 1e-12);
+}
+
+// As many cells as are asked for are enough, however their number is rounded; where they are not there, the side is named.
+TEST(FlowMeshDomain, RoomOfExactlyFourCellsIsEnough) {
+  TriangleSoup box = cube();
+  const Box3 was = bounding_box(box);
+  for (Vec3& p : box.points) p = (p - was.lower) / was.longest_side();
+  FlowMeshOptions options = inside(0.1);
+  options.side = MeshSide::outside;
+  options.domain = {{-0.4, -0.4, -0.4}, {1.4, 1.4, 1.4}};  // 1.4 - 1 is less than 0.4
+  const FlowMesh made = flow_mesh(box, {}, {}, options);
+  EXPECT_TRUE(mesh_quality(made.mesh).ok);
+  EXPECT_NEAR(mesh_quality(made.mesh).volume, 1.8 * 1.8 * 1.8 - 1, 0.01);
+  options.domain.upper.y = 1.39;
+  const Error near = error_of(box, options);
+  EXPECT_EQ(near.code(), ErrorCode::usage);
+  for (const char* part : {"too near", "yMax", "0.39", "0.4,"}) EXPECT_TRUE(contains(near.what(), part)) << near.what();
+  options.domain.lower.z = 0.5;
+  const Error cut = error_of(box, options);
+  for (const char* part : {"cuts", "zMin", "none"}) EXPECT_TRUE(contains(cut.what(), part)) << cut.what();
 }
 
 // Asks to stop at the n-th look of a stage.

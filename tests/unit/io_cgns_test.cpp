@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <filesystem>
+#include <fstream>
 #include <map>
 #include <string>
 #include <vector>
@@ -133,6 +135,50 @@ TEST(Cgns, PatchesAreConditionsOnTheirFaces) {
     next = conditions.at(name)[1] + 1;
   }
   EXPECT_EQ(next, static_cast<cgsize_t>(mesh.cells() + mesh.mesh.faces() - mesh.mesh.internal_faces()) + 1);
+}
+
+// Families are beside the zone, sections beside what else a zone has.
+TEST(Cgns, PatchesDoNotTakeNamesOfOtherNodes) {
+  const Folder folder;
+  for (const char* name : {"Zone", "Base", "ZoneBC", "ZoneType", "GridCoordinates", "Tetrahedra", "Hexahedra", "FamilyName"}) {
+    VolumeMesh mesh = with_patches(mixed_cells(false));
+    mesh.mesh.patches[0].name = name, mesh.mesh.patches[1].name = std::string(name) + "_Tri";
+    write_volume_mesh(folder.path("m.cgns"), mesh);
+    const auto conditions = Reader(folder.path("m.cgns")).conditions();
+    ASSERT_EQ(conditions.size(), 2u) << name;
+    EXPECT_TRUE(conditions.contains(std::string(name) + "_2") && conditions.contains(std::string(name) + "_Tri")) << conditions.begin()->first;
+  }
+}
+
+TEST(Cgns, NamesEndWithAWholeCharacter) {
+  const Folder folder;
+  VolumeMesh mesh = with_patches(mixed_cells(false));
+  std::string in_twos = "x", in_threes;
+  for (int i = 0; i < 20; ++i) in_twos += "\xc3\xbc", in_threes += "\xe2\x82\xac";
+  mesh.mesh.patches[0].name = "x" + in_twos, mesh.mesh.patches[1].name = "yy" + in_threes;
+  write_volume_mesh(folder.path("m.cgns"), mesh);
+  const auto conditions = Reader(folder.path("m.cgns")).conditions();
+  ASSERT_EQ(conditions.size(), 2u);
+  EXPECT_TRUE(conditions.contains("x" + in_twos.substr(0, 25)));
+  EXPECT_TRUE(conditions.contains("yy" + in_threes.substr(0, 24)));
+}
+
+// No folder of the user's is in the way of the file that the library makes, and the one beside a link is not its folder.
+TEST(Cgns, IsMadeBesideTheFileThatALinkStandsFor) {
+  namespace fs = std::filesystem;
+  const Folder folder;
+  fs::create_directory(folder.path("m.cgns.cgns"));
+  fs::create_directory(folder.path("real"));
+  std::ofstream(folder.path("real/m.cgns")) << "old";
+  fs::create_symlink("real/m.cgns", folder.path("m.cgns"));
+  const VolumeMesh mesh = with_patches(mixed_cells(false));
+  fs::permissions(folder.path(""), fs::perms::owner_write, fs::perm_options::remove);
+  write_volume_mesh(folder.path("m.cgns"), mesh);
+  fs::permissions(folder.path(""), fs::perms::owner_write, fs::perm_options::add);
+  EXPECT_TRUE(fs::is_symlink(folder.path("m.cgns")));
+  EXPECT_EQ(Reader(folder.path("real/m.cgns")).size()[1], static_cast<cgsize_t>(mesh.cells()));
+  EXPECT_EQ(folder.file_count(), 3);
+  EXPECT_EQ(std::distance(fs::directory_iterator(folder.path("real")), {}), 1);
 }
 
 TEST(Cgns, SaysWhatItHasNoCellsFor) {

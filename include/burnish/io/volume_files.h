@@ -62,7 +62,8 @@ void write_su2(const std::string& path, const VolumeMesh& mesh, const VolumeWrit
 bool has_cgns();
 void require_cgns(const std::string& path);
 // CGNS 3.4 in HDF5: a base, an unstructured zone, coordinates as doubles; sections of tetrahedra, pyramids, prisms and hexahedra, then of each patch with faces, NAME_Tri and NAME_Quad, with a boundary condition and a family
-// NAME (BCWall, BCSymmetryPlane, or BCTypeUserDefined for what flow passes). Names are cut to 27 bytes, as nodes have 32, and end in _2, _3, ... where they would be the same. No units.
+// NAME (BCWall, BCSymmetryPlane, or BCTypeUserDefined for what flow passes). Names are cut to 27 bytes, as nodes have 32, but never within a character of UTF-8; they end in _2, _3, ... where they would be the same, or that of another node (Zone, ZoneBC, Tetrahedra).
+// No units.
 // Throws Error{usage} for a mesh with polyhedra, for one of more than 2^31 corners of one shape (where the library counts in 32 bits), and in a build without the library. Twice the file's room on disk while it is written. HDF5 records times: the bytes are not those of the run before.
 void write_cgns(const std::string& path, const VolumeMesh& mesh, const VolumeWriteOptions& options = {}, Progress& progress = no_progress());
 

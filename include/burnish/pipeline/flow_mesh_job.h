@@ -162,11 +162,13 @@ struct FlowMeshResult {
 // **Patches.** One for each group of the file that has facets in the repaired surface, its name made a word of OpenFOAM, unique among all; facets of the repair take the
 // group of the nearest one. Outside, the domain's sides alone are xMin, xMax, yMin, yMax, zMin, zMax.
 //
-// **Cells.** A number of cells is met within 10 % in three meshes at most, the first a smaller one; the last one counts, whatever it has. Cells are no larger than the domain has room for.
+// **Cells.** A number of cells is met within 10 % in three meshes at most, the first a smaller one; the last one counts, whatever it has; so does the last
+// that fits into memory, with a warning. Cells are no larger than the domain has room for.
 //
 // **Scale.** What is judged is what is written, scaled coordinates and all; what is told of it is in the model's units.
 //
-// Same bits for any number of threads. An input that bounds no solid, a cell that is too large for any of it, and a finished mesh that cannot be written come back as `failure` as well.
+// Same bits for any number of threads. An input that bounds no solid, a cell that is too large for any of it, layers that have no room in the cells that a number of them took, and a
+// finished mesh that cannot be written, for whatever reason, come back as `failure` as well.
 // Throws Error as `clean` does, Error{unwritable_output} before the work as far as that can be known then; Error{usage} for a domain that does not hold the model, for the type of a patch that
 // does not exist, and for two types of one patch.
 FlowMeshResult flow_mesh(const FlowMeshJob& job, Progress& progress = no_progress());

@@ -31,7 +31,7 @@ enum class MeshFlavour : std::uint8_t {
 
 struct MeshRefinement {
   Box3 box;         // one that misses what is meshed has no effect, and is noted
-  double cell = 0;  // the longest side of cells that meet the box; at least 1/32 of those at the surface
+  double cell = 0;  // the longest side of cells that meet the box, up to 1.35 times that where the domain is stretched; at least 1/32 of those at the surface
 };
 
 // Layers of flat cells at the wall: heights first, first * ratio, first * ratio^2 ... from the wall inwards.
