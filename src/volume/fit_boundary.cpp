@@ -190,7 +190,7 @@ class Fitting {
     // What is bad without any point having moved; at corners only where nothing else helps.
     bad = mending.mend(std::move(bad), kMendings);
     Mending last(volume_, around_, faces, at_end_, kLimits, largest_, progress_);
-    last.mend(std::move(bad), kMendings);
+    result_.bad = last.mend(std::move(bad), kMendings).size();
     result_.mended = mending.moves() + last.moves();
     for (const std::uint8_t s : steps) result_.moved_back += s > 0;
   }

@@ -14,6 +14,7 @@ struct BoundaryFit {
   std::uint64_t corners = 0;       // points that went to corners of the creases, before any went back
   std::uint64_t crease_points = 0; // points that went to creases, before any went back
   std::uint64_t moved_back = 0;    // points that the cells' quality kept from their place
+  std::uint64_t bad = 0;           // cells beyond the limits (some of which checkMesh may bear) that nothing has mended
   std::uint64_t mended = 0;        // points that had to move for a cell that was bad from the start, by up to a fifth of a cell at a time
 };
 

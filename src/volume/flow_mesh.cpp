@@ -17,6 +17,7 @@
 #include "burnish/core/text.h"
 #include "burnish/extract/reference_surface.h"
 #include "burnish/levelset/from_triangles.h"
+#include "burnish/volume/mesh_quality.h"
 #include "cell_lattice.h"
 #include "fit_boundary.h"
 #include "mesh_memory.h"
@@ -36,6 +37,7 @@ constexpr double kRoundingOfRoom = 1e-9;  // of it
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
 constexpr double kCornerSnap = 1.12;  // and the nearest one to a corner: sqrt(5)/2, no point is farther from all nodes of cells of one size
+constexpr std::size_t kMostLeftOut = 64;  // cells that nothing mends
 constexpr double kSmallestPart = 8;  // cells: what is smaller and hangs by no face is left out
 
 Vec3 place_of(const LatticePlace& n) { return {static_cast<double>(n[0]), static_cast<double>(n[1]), static_cast<double>(n[2])}; }
@@ -244,6 +246,42 @@ class FlowMesher {
     const BoundaryFit told = fit_boundary(result_.mesh, on_wall_, *reference_, outside() ? -1 : 1, level, progress_);
     result_.moved_back = told.moved_back;
     result_.crease_points = told.crease_points + told.corners;
+    if (told.bad > 0) leave_out_bad_cells();
+  }
+
+  // [T-HEX-6] What is bad at the wall and cannot be mended goes, and its neighbours if that makes these bad: flat cells, mostly, around a single point inside.
+  void leave_out_bad_cells() {
+    std::size_t left_out = 0;
+    for (std::vector<std::uint32_t> bad = bad_at_wall(); !bad.empty() && left_out + bad.size() <= kMostLeftOut; bad = bad_at_wall()) {
+      left_out += bad.size();
+      const PolyhedralMesh& mesh = result_.mesh.mesh;
+      for (std::size_t p = 0; p < mesh.points.size(); ++p) stuffed_.points[source_[p]] = mesh.points[p];
+      std::vector<std::uint8_t> keep(result_.mesh.cells(), 1);
+      for (const std::uint32_t c : bad) {
+        keep[c] = 0;
+        for (const std::uint32_t p : result_.mesh.cell(c)) stuffed_.on_surface[source_[p]] = 1;
+      }
+      stuffed_.cells = kept_cells(stuffed_.cells, keep);
+      result_.mesh = assemble(stuffed_.points, stuffed_.cells, &source_);
+      mark_wall();
+    }
+    if (left_out > 0) result_.notes.push_back(fmt::format("{} cells at the surface would be bad whatever becomes of their points, and are left out", left_out));
+  }
+  // Tetrahedra that checkMesh refuses, with a face on the wall, none of whose points is on the domain's sides.
+  std::vector<std::uint32_t> bad_at_wall() const {
+    const PolyhedralMesh& mesh = result_.mesh.mesh;
+    std::vector<std::uint8_t> at_end(mesh.points.size(), 0), at_wall(result_.mesh.cells(), 0);
+    for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f) {
+      if (on_wall_[f - mesh.internal_faces()]) at_wall[mesh.owner[f]] = 1;
+      else
+        for (const std::uint32_t p : mesh.face(f)) at_end[p] = 1;
+    }
+    std::vector<std::uint32_t> cells;
+    for (const BadCell& b : bad_cells(mesh, {}, progress_)) {
+      const auto corners = result_.mesh.cell(b.cell);
+      if (at_wall[b.cell] && result_.mesh.shape[b.cell] == CellShape::tetrahedron && std::none_of(corners.begin(), corners.end(), [&](std::uint32_t p) { return at_end[p] != 0; })) cells.push_back(b.cell);
+    }
+    return cells;
   }
 
   void grow_layers() {

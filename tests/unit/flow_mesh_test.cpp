@@ -261,6 +261,23 @@ TEST(FlowMesh, CellsOfSeveralSizesMeetAtCreases) {
   expect_sound(made, 1);
 }
 
+// A ball with spikes as wide as cells: around points at their tips all cells are flat, wherever these go.
+TEST(FlowMesh, WhatCannotBeMendedIsLeftOut) {
+  TriangleSoup ball = icosphere(4);
+  std::mt19937 engine(1);
+  for (Vec3& p : ball.points) {
+    if (engine() % 4 != 0) {
+      engine();
+      continue;
+    }
+    for (int a = 0; a < 3; ++a) p[a] += 0.1 * (2 * static_cast<double>(engine()) / 4294967296.0 - 1);
+  }
+  const FlowMesh made = flow_mesh(ball, {}, {}, inside(0.08));
+  expect_sound(made, 1);
+  EXPECT_TRUE(std::any_of(made.notes.begin(), made.notes.end(), [](const std::string& note) { return note.find("left out") != std::string::npos; }));
+  EXPECT_NEAR(volume(made.mesh), signed_volume(ball), 0.01 * signed_volume(ball));
+}
+
 // A body of less than eight cells is kept where a refinement has many.
 TEST(FlowMesh, SmallBodiesCountByTheirOwnCells) {
   TriangleSoup both = cube();
