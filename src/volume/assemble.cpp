@@ -190,6 +190,14 @@ std::uint64_t count_half_faces(const CellList& cells) {
 
 VolumeMesh assemble(const std::vector<Vec3>& points, const CellList& cells, std::vector<std::uint32_t>* source) { return Assembly(cells).run(points, source); }
 
+std::vector<std::uint8_t> points_at_end(const PolyhedralMesh& mesh, const std::vector<std::uint8_t>& on_wall) {
+  std::vector<std::uint8_t> at_end(mesh.points.size(), 0);
+  for (std::size_t i = 0; i < on_wall.size(); ++i)
+    if (!on_wall[i])
+      for (const std::uint32_t p : mesh.face(mesh.internal_faces() + i)) at_end[p] = 1;
+  return at_end;
+}
+
 void sort_into_patches(VolumeMesh& volume, std::vector<MeshPatch> patches, const std::vector<std::uint32_t>& patch_of) {
   PolyhedralMesh& mesh = volume.mesh;
   const std::size_t internal = mesh.internal_faces(), boundary = mesh.faces() - internal;

@@ -19,6 +19,9 @@ VolumeMesh assemble(const std::vector<Vec3>& points, const CellList& cells, std:
 // Of all cells, those between two of them twice.
 std::uint64_t count_half_faces(const CellList& cells);
 
+// Per point: whether it is on a boundary face that is not on the wall (`on_wall`: per boundary face), so on a side of the domain.
+std::vector<std::uint8_t> points_at_end(const PolyhedralMesh& mesh, const std::vector<std::uint8_t>& on_wall);
+
 // Sorts the boundary faces into patches, by owner in each: patch_of(face) is an index into `patches`, whose names and types stay.
 void sort_into_patches(VolumeMesh& mesh, std::vector<MeshPatch> patches, const std::vector<std::uint32_t>& patch_of);
 

@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "assemble.h"
 #include "burnish/core/parallel.h"
 #include "burnish/volume/mesh_quality.h"
 #include "mend.h"
@@ -51,13 +52,10 @@ class Fitting {
 
   void collect_wall() {
     normal_.assign(mesh_.points.size(), {});
-    at_end_.assign(mesh_.points.size(), 0);
+    at_end_ = points_at_end(mesh_, on_wall_);
     for (std::size_t i = 0; i < on_wall_.size(); ++i) {
+      if (!on_wall_[i]) continue;
       const auto face = mesh_.face(mesh_.internal_faces() + i);
-      if (!on_wall_[i]) {
-        for (const std::uint32_t p : face) at_end_[p] = 1;
-        continue;
-      }
       Vec3 n;
       for (std::size_t k = 2; k < face.size(); ++k) n += cross(start_[face[k - 1]] - start_[face[0]], start_[face[k]] - start_[face[0]]);
       for (std::size_t k = 0; k < face.size(); ++k) {

@@ -267,15 +267,13 @@ class FlowMesher {
     }
     if (left_out > 0) result_.notes.push_back(fmt::format("{} cells at the surface would be bad whatever becomes of their points, and are left out", left_out));
   }
-  // Tetrahedra that checkMesh refuses, with a face on the wall, none of whose points is on the domain's sides.
+  // Tetrahedra that checkMesh refuses or warns of, with a face on the wall, none of whose points is on the domain's sides.
   std::vector<std::uint32_t> bad_at_wall() const {
     const PolyhedralMesh& mesh = result_.mesh.mesh;
-    std::vector<std::uint8_t> at_end(mesh.points.size(), 0), at_wall(result_.mesh.cells(), 0);
-    for (std::size_t f = mesh.internal_faces(); f < mesh.faces(); ++f) {
-      if (on_wall_[f - mesh.internal_faces()]) at_wall[mesh.owner[f]] = 1;
-      else
-        for (const std::uint32_t p : mesh.face(f)) at_end[p] = 1;
-    }
+    const std::vector<std::uint8_t> at_end = points_at_end(mesh, on_wall_);
+    std::vector<std::uint8_t> at_wall(result_.mesh.cells(), 0);
+    for (std::size_t i = 0; i < on_wall_.size(); ++i)
+      if (on_wall_[i]) at_wall[mesh.owner[mesh.internal_faces() + i]] = 1;
     std::vector<std::uint32_t> cells;
     for (const BadCell& b : bad_cells(mesh, {}, progress_)) {
       const auto corners = result_.mesh.cell(b.cell);

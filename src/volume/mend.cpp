@@ -11,7 +11,7 @@ namespace burnish {
 namespace {
 
 constexpr std::size_t kMostMended = 4096;  // bad cells in a round: a mesh with more is beyond mending
-constexpr double kMeanDistance = 1.5;
+constexpr double kMeanDistance = 1.5;      // half sides from a point to the other corners of its cells, in the mean and rather too few
 constexpr std::size_t kPlaces = 78;        // where a point may go: three steps in 26 directions
 constexpr std::size_t kTried = 10;         // of them in the first round, by the shapes of the cells around; measuring all takes ten times as long
 
@@ -37,7 +37,7 @@ std::vector<BadCell> Mending::mend(std::vector<BadCell> bad, int rounds) {
   return bad;
 }
 
-// Those that checkMesh itself would refuse come before those that are beyond our own limits only.
+// Those that checkMesh itself would refuse or warn of come before those that are beyond our own limits only.
 std::vector<std::uint32_t> Mending::worst_first(const std::vector<BadCell>& bad) const {
   std::vector<std::uint32_t> cells;
   for (const BadCell& b : bad) cells.push_back(b.cell);

@@ -37,7 +37,7 @@ using Links = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 class LayerGrowth {
  public:
   LayerGrowth(StuffedCells& cells, VolumeMesh& mesh, std::vector<std::uint32_t>& source, const std::vector<std::uint8_t>& on_wall, const WallLayers& layers, double cell, Progress& progress)
-      : cells_(cells), volume_(mesh), mesh_(mesh.mesh), source_(source), layers_(layers), cell_(cell), progress_(progress), inner_cells_(cells.cells.size()), points_cells_(mesh) {
+      : cells_(cells), volume_(mesh), mesh_(mesh.mesh), source_(source), layers_(layers), cell_(cell), progress_(progress), inner_cells_(cells.cells.size()), points_cells_(mesh), at_end_(points_at_end(mesh.mesh, on_wall)) {
     for (std::uint32_t i = 0; i < on_wall.size(); ++i)
       if (on_wall[i]) faces_.push_back(static_cast<std::uint32_t>(mesh_.internal_faces()) + i);
     divide_column();
@@ -47,7 +47,7 @@ class LayerGrowth {
     start_ = mesh_.points;
     list_wall_points();
     choose_directions();
-    number_rings(on_end());
+    number_rings(at_end_);
     link_points();
     choose_relaxed();
     move_.assign(start_.size(), {});
@@ -89,19 +89,6 @@ class LayerGrowth {
     for (int k = 0; k < layers_.count; ++k) level_.push_back(sum += height), height *= layers_.ratio;
     thickness_ = sum;
     for (double& s : level_) s /= sum;
-  }
-
-  std::vector<std::uint8_t> on_end() const {
-    std::vector<std::uint8_t> end(start_.size(), 0);
-    std::size_t next = 0;
-    for (std::size_t f = mesh_.internal_faces(); f < mesh_.faces(); ++f) {
-      if (next < faces_.size() && faces_[next] == f) {
-        ++next;
-        continue;
-      }
-      for (const std::uint32_t p : mesh_.face(f)) end[p] = 1;
-    }
-    return end;
   }
 
   void list_wall_points() {
@@ -449,6 +436,7 @@ class LayerGrowth {
   Progress& progress_;
   const std::size_t inner_cells_;
   const PointCells points_cells_;
+  const std::vector<std::uint8_t> at_end_;  // points on the domain's sides
   std::vector<std::uint8_t> relaxed_;  // points that relax() may move
   std::vector<std::uint8_t> held_;     // points that make no room
   std::size_t base_ = 0;               // points of the mesh without layers
