@@ -10,4 +10,11 @@ RepairReport clean(const CleanJob& job, Progress& progress) {
   return run.take_report();
 }
 
+RepairReport clean(const CleanJob& job, CleanSurfaces& surfaces, Progress& progress) {
+  CleanRun run(job, progress);
+  if (run.open()) run.run();
+  surfaces = run.take_surfaces();
+  return run.take_report();
+}
+
 }  // namespace burnish

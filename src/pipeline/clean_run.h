@@ -37,6 +37,8 @@ class CleanRun : private SolidRun {
   TriangleSoup take_result() { return std::move(result_); }
   // The same with the names and colours of the input.
   TriangleSoup take_named_result();
+  // What was read, and what take_result gives. To be called after `run`, or after `open` has failed.
+  CleanSurfaces take_surfaces() { return {std::move(input_), std::move(result_)}; }
   // To be called last.
   RepairReport take_report();
 

@@ -6,6 +6,7 @@
 #include "burnish/core/progress.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/pipeline/report.h"
+#include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
 
@@ -25,5 +26,14 @@ struct CleanJob {
 // `report.failure` (guarantee_unmet), so that the report can still be looked at.
 // Throws Error for everything else: unreadable input, unwritable output, memory_limit, interrupted.
 RepairReport clean(const CleanJob& job, Progress& progress = no_progress());
+
+// The two surfaces of a run, for those that look at them: welded, in model coordinates (behind --recentre: the moved ones).
+struct CleanSurfaces {
+  TriangleSoup before;  // as read
+  TriangleSoup after;   // as written and read back; what was found where the run failed, no facets if nothing was
+};
+
+// The same, and fills in `surfaces`.
+RepairReport clean(const CleanJob& job, CleanSurfaces& surfaces, Progress& progress = no_progress());
 
 }  // namespace burnish
