@@ -78,8 +78,8 @@ std::vector<Option> rows(CleanOptions& o) {
      "'feature' keeps sharp edges, 'volume' is for organic shapes, 'mcf' mean-curvature flow, 'filtered' keeps spheres, 'reinit' the "
      "thesis' reinitialisation; 'auto' (default) chooses 'feature' or 'volume'.",
      [&o](const GivenValue& v) { o.mode = one_of<SmoothMode>(v, {"auto", "feature", "volume", "mcf", "filtered", "reinit"}); }},
-    {"--keep-volume", 0, "", "Smoothing", "The volume stays what it was (default).", switch_on(o.keep_volume)},
-    {"--free-volume", 0, "", "Smoothing", "The volume may change.", [&o](const GivenValue&) { o.keep_volume = false; }},
+    {"--keep-volume", 0, "", "Smoothing", "The volume stays what it was (default).", switch_on(o.keep_volume), false, "--free-volume"},
+    {"--free-volume", 0, "", "Smoothing", "The volume may change.", [&o](const GivenValue&) { o.keep_volume = false; }, false, "--keep-volume"},
     {"--crease", 0, "ANGLE", "Smoothing", "Edges of more than ANGLE degrees stay sharp. Chosen from the noise, or 40, when not given.",
      [&o](const GivenValue& v) { o.crease_angle = angle(v, 180); }},
     {"--region", 0, "FILE", "Smoothing", "Smooth only inside FILE: a .txt with boxes and spheres, or a closed surface.", store_text(o.region)},

@@ -28,6 +28,7 @@ struct Option {
   std::string_view help;
   Setter set;
   bool repeatable = false;  // may be given more than once, each time with another value
+  std::string_view opposite = {};  // of a switch, the one that says the contrary: what `False` means where options are values
 };
 
 // An argument without a name of its own. Every operand is required.

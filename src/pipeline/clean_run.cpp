@@ -55,12 +55,21 @@ CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<Cl
 void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
   output_ = std::move(output);
   report_.output = job_.output;
-  report_.output_format = name(output_->format());
+  report_.output_format = output_->format_name();
 }
 
 bool CleanRun::open(std::unique_ptr<CleanedOutput> output) {
   read();
-  take_output(output ? std::move(output) : std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+  return begin_with(output ? std::move(output) : std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+}
+
+bool CleanRun::open(TriangleSoup input, std::unique_ptr<CleanedOutput> output) {
+  take(std::move(input), job_.options);
+  return begin_with(std::move(output));
+}
+
+bool CleanRun::begin_with(std::unique_ptr<CleanedOutput> output) {
+  take_output(std::move(output));
   if (!job_.options.region.empty()) region_ = std::make_shared<const Region>(job_.options.region, report_.recentred_by);
   return prepare(job_.options);
 }
@@ -172,7 +181,7 @@ bool CleanRun::is_fine_as_it_is() const {
 bool CleanRun::try_local(std::string& why_not) {
   begin("repairing locally");
   const bool fine = is_fine_as_it_is();
-  std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, {.max_hole = {}, .float32 = stores_float32(output_->format())}, report_, progress_, why_not);
+  std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, {.max_hole = {}, .float32 = output_->stores_float32()}, report_, progress_, why_not);
   if (!solution || !verify_local(*solution, why_not)) return false;
   begin("measuring");
   why_not = objection_to(*solution, result_, input_, prepared_, local_tolerance(), report_);
@@ -188,7 +197,7 @@ bool CleanRun::try_local(std::string& why_not) {
 bool CleanRun::try_denoised(std::string& why_not) {
   begin("smoothing");
   std::optional<DenoisedSolution> solution =
-      solve_denoised(input_, prepared_, plan_, is_fine_as_it_is(), stores_float32(output_->format()), local_tolerance(), report_, progress_, why_not);
+      solve_denoised(input_, prepared_, plan_, is_fine_as_it_is(), output_->stores_float32(), local_tolerance(), report_, progress_, why_not);
   if (!solution || !verify_local(solution->solution, why_not)) return false;
   begin("measuring");
   why_not = objection_to_mending(*solution, result_, local_tolerance() + report_.smoothing.max_moved, report_);
@@ -321,7 +330,7 @@ void CleanRun::extract(const BuiltLevelSet& built) {
   CleanedOutput::Finish finish;
   if (report_.options.max_hole && !job_.options.thicken)
     finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
-  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), stores_float32(output_->format()), report_, progress_);
+  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), output_->stores_float32(), report_, progress_);
   report_.after = output_->write_verified(maker, built.level_set.frame, finish, progress_).defects;
   if (!finish) {
     report_.surface.topology.wanted_components = maker.wanted_topology().components;
@@ -470,7 +479,7 @@ void CleanRun::compare_topology() {
 
 void CleanRun::publish() {
   if (report_.failure && !job_.allow_invalid) return;
-  if (report_.after.facets == 0 || output_->is_scratch()) return;
+  if (report_.after.facets == 0 || output_->is_in_memory()) return;
   begin("writing");
   if (!input_.groups.empty() || !input_.colors.empty()) {
     name_result();
@@ -483,6 +492,11 @@ void CleanRun::publish() {
 TriangleSoup CleanRun::take_named_result() {
   name_result();
   return take_result();
+}
+
+TriangleSoup CleanRun::take_written() {
+  if (result_.facets.empty() || !input_.groups.empty() || !input_.colors.empty()) return take_named_result();
+  return output_->take_written();
 }
 
 void CleanRun::name_result() {
