@@ -1,8 +1,6 @@
 # The Python package, which is optional: burnish_find_python() sets BURNISH_HAS_PYTHON, and PYBIND11_INCLUDE_DIR.
 set(BURNISH_BUILD_PYTHON "AUTO" CACHE STRING "Build the Python package: AUTO (where pybind11-dev and python3-dev are found), ON or OFF")
 set_property(CACHE BURNISH_BUILD_PYTHON PROPERTY STRINGS AUTO ON OFF)
-# Relative to the prefix. Debian's own interpreter looks into lib/python3/dist-packages of /usr and of /usr/local.
-set(BURNISH_PYTHON_INSTALL_DIR "lib/python3/dist-packages" CACHE STRING "Where the Python package is installed, relative to the prefix")
 
 # Debian's own interpreter, where there is one: no other sees Debian's Python packages.
 if(NOT DEFINED Python3_EXECUTABLE AND EXISTS /usr/bin/python3)
@@ -12,13 +10,20 @@ endif()
 macro(burnish_find_python)
   set(BURNISH_HAS_PYTHON OFF)
   # An interpreter without a sanitizer's runtime cannot load a module that needs it.
-  if(BURNISH_BUILD_PYTHON STREQUAL "AUTO" AND CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+  if(BURNISH_BUILD_PYTHON STREQUAL "AUTO" AND (CMAKE_CXX_FLAGS MATCHES "-fsanitize" OR BURNISH_BUILD_FUZZERS))
     message(STATUS "Built with a sanitizer: without the Python package")
   elseif(NOT BURNISH_BUILD_PYTHON STREQUAL "OFF")
     find_package(Python3 3.9 QUIET COMPONENTS Interpreter Development.Module)
     find_path(PYBIND11_INCLUDE_DIR pybind11/pybind11.h)
     if(Python3_Development.Module_FOUND AND PYBIND11_INCLUDE_DIR)
       set(BURNISH_HAS_PYTHON ON)
+      # Debian's own interpreter looks into these two.
+      if(CMAKE_INSTALL_PREFIX STREQUAL "/usr")
+        set(burnish_dist_packages "lib/python3/dist-packages")
+      else()
+        set(burnish_dist_packages "lib/python${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}/dist-packages")
+      endif()
+      set(BURNISH_PYTHON_INSTALL_DIR "${burnish_dist_packages}" CACHE STRING "Where the Python package is installed, relative to the prefix")
     elseif(BURNISH_BUILD_PYTHON STREQUAL "ON")
       message(FATAL_ERROR "BURNISH_BUILD_PYTHON is ON and pybind11 or Python's headers were not found: install pybind11-dev and python3-dev")
     else()

@@ -8,7 +8,6 @@
 
 #include "burnish/surface/remesh.h"
 #include "burnish/surface/simplify.h"
-#include "burnish/surface/transfer.h"
 #include "burnish/surface/weld.h"
 #include "losses.h"
 #include "read_input.h"
@@ -98,13 +97,6 @@ void CleanRun::run() {
     report_.warnings.push_back("--crease has no effect: the facets stay as they are");
   validate_result();
   publish();
-}
-
-RepairReport CleanRun::take_report() {
-  if (plan_.denoises()) report_.options.smooth = plan_.length;
-  clock_.end();
-  report_.stages = clock_.stages();
-  return std::move(report_);
 }
 
 void CleanRun::share_level_set(const std::vector<Length>& strengths) {
@@ -475,34 +467,6 @@ void CleanRun::compare_topology() {
                           fmt::format("the result has {} components and genus {}; the level set has {} and {}", told.components, told.genus.value_or(-1),
                                       *told.wanted_components, *told.wanted_genus),
                           "try --surface tetrahedra, or another --cell; --allow-invalid writes the result as it is");
-}
-
-void CleanRun::publish() {
-  if (report_.failure && !job_.allow_invalid) return;
-  if (report_.after.facets == 0 || output_->is_in_memory()) return;
-  begin("writing");
-  if (!input_.groups.empty() || !input_.colors.empty()) {
-    name_result();
-    output_->write_and_read_back(result_);
-  }
-  output_->publish();
-  report_.written = true;
-}
-
-TriangleSoup CleanRun::take_named_result() {
-  name_result();
-  return take_result();
-}
-
-TriangleSoup CleanRun::take_written() {
-  if (result_.facets.empty() || !input_.groups.empty() || !input_.colors.empty()) return take_named_result();
-  return output_->take_written();
-}
-
-void CleanRun::name_result() {
-  if (input_.groups.empty() && input_.colors.empty()) return;
-  const bool all_known = !sources_.empty() && std::find(sources_.begin(), sources_.end(), kNoFacet) == sources_.end();
-  transfer_attributes(input_, TriangleIndex(all_known ? TriangleSoup{} : input_), result_, sources_);
 }
 
 }  // namespace burnish
