@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "burnish/core/error.h"
@@ -118,10 +119,13 @@ class FieldCommand : public Command {
   std::vector<Option> option_table() {
     std::vector<Option> table = own_options();
     const auto behind = std::find_if(table.begin(), table.end(), [](const Option& o) { return o.group == "Preparation"; });
+    constexpr std::array<std::string_view, 4> kWanted{"--smooth", "--mode", "--free-volume", "--deviation"};
     std::vector<Option> rows;
-    for (Option& row : with_clean_options({}, job_.options))
-      for (const std::string_view wanted : {"--smooth", "--mode", "--free-volume", "--deviation"})
-        if (row.name == wanted) rows.push_back(std::move(row)), rows.back().set = of_level_set(rows.back().set);
+    for (Option& row : with_clean_options({}, job_.options)) {
+      if (std::find(kWanted.begin(), kWanted.end(), row.name) == kWanted.end()) continue;
+      row.set = of_level_set(std::move(row.set));
+      rows.push_back(std::move(row));
+    }
     table.insert(behind, rows.begin(), rows.end());
     return table;
   }
