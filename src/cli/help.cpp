@@ -37,7 +37,7 @@ std::string entry(const std::string& term, std::string_view text) {
 
 std::string term_of(const Option& option) {
   const std::string letter = option.letter != 0 ? fmt::format("-{}, ", option.letter) : "    ";
-  return fmt::format("  {}{}{}{}", letter, option.name, option.value.empty() ? "" : " ", option.value);
+  return fmt::format("  {}{}{}{}", letter, option.name, option.value.empty() ? "" : " ", option.value.name);
 }
 
 // In the order in which the table names them first.
@@ -57,7 +57,7 @@ std::string help_text(const CommandLine& line) {
   }
   if (!line.operands.empty()) text += '\n';
   for (const Operand& operand : line.operands) {
-    text += entry(fmt::format("  {}", operand.name), operand.help);
+    text += entry(fmt::format("  {}", operand.value.name), operand.help);
   }
   for (const std::string_view group : groups_of(line)) {
     text += fmt::format("\n{}:\n", group);
