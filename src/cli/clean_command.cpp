@@ -91,7 +91,7 @@ class CleanCommand : public Command {
         quiet_row("Messages", quiet_),
         {"--verbose", 'v', "", "Messages", "Print details and what each stage cost.", switch_on(verbose_)},
         help_row("Messages"),
-        {"--version", 0, "", "Messages", "Print the version.", [](const GivenValue&) {}},
+        {"--version", 0, "", "Messages", "Print the version, and what it was built from and with; as JSON with --json.", [](const GivenValue&) {}},
     };
     return with_clean_options(std::move(table), job_.options);
   }
