@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command_line.h"
+#include "manual.h"
 
 namespace burnish {
 namespace {
@@ -38,14 +39,6 @@ std::string entry(const std::string& term, std::string_view text) {
 std::string term_of(const Option& option) {
   const std::string letter = option.letter != 0 ? fmt::format("-{}, ", option.letter) : "    ";
   return fmt::format("  {}{}{}{}", letter, option.name, option.value.empty() ? "" : " ", option.value.name);
-}
-
-// In the order in which the table names them first.
-std::vector<std::string_view> groups_of(const CommandLine& line) {
-  std::vector<std::string_view> groups;
-  for (const Option& option : line.options)
-    if (std::find(groups.begin(), groups.end(), option.group) == groups.end()) groups.push_back(option.group);
-  return groups;
 }
 
 }  // namespace

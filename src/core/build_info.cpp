@@ -22,7 +22,7 @@ std::string quoted_or_null(std::string_view text) { return text.empty() ? "null"
 }  // namespace
 
 const BuildInfo& build_info() {
-  static const BuildInfo info{kVersion, kCommit, kCompiler, kBuildType, kParallel, "GPL-3.0-or-later", {BURNISH_DEPENDENCY_ROWS}};
+  static const BuildInfo info{kVersion, kVersionDate, kCommit, kCompiler, kBuildType, kParallel, "GPL-3.0-or-later", {BURNISH_DEPENDENCY_ROWS}};
   return info;
 }
 

@@ -16,6 +16,7 @@ struct BuildInfo {
   };
 
   std::string_view version;     // "0.1.0": semantic versioning
+  std::string_view date;        // on which the version got its number, "2026-11-22"; not that of the build
   std::string_view commit;      // of git, with "-dirty" when files were changed since; empty: unknown
   std::string_view compiler;    // "GNU 12.2.0"
   std::string_view build_type;  // "Release"; may be empty
