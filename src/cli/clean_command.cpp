@@ -8,6 +8,7 @@
 #include "burnish/core/timer.h"
 #include "burnish/io/mesh_io.h"
 #include "burnish/pipeline/clean.h"
+#include "burnish/pipeline/html_report.h"
 #include "burnish/pipeline/sweep.h"
 #include "clean_options.h"
 #include "commands.h"
@@ -55,12 +56,17 @@ class CleanCommand : public Command {
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     const double start = monotonic_seconds();
-    ReportFile report_file(report_path_, job_.overwrite);
+    ReportFile report_file(report_path_, job_.overwrite), page(html_path_, job_.overwrite);
 
     Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
     for (const std::string& name : idle_options(job_.options)) console.warn(name, {"has no effect without --smooth"});
     if (time_limit_ > 0) console.stop_after(time_limit_);
-    const RepairReport report = snapshots_.empty() ? clean(job_, console) : clean_with_snapshots(console);
+    CleanSurfaces surfaces;
+    const RepairReport report = !snapshots_.empty() ? clean_with_snapshots(console) : page.wanted() ? clean(job_, surfaces, console) : clean(job_, console);
+    if (page.wanted()) {
+      console.begin_stage("making the page");
+      page.write(html_report(report, surfaces));  // no interrupt ends it: the result has its name already
+    }
     console.end_stage();
     if (report_file.wanted()) report_file.write(to_json(report));
     console.warn(report.input, report.warnings);
@@ -79,6 +85,8 @@ class CleanCommand : public Command {
          store_text(snapshots_)},
         {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON.",
          store_text(report_path_)},
+        {"--html", 0, "FILE", "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures.",
+         store_text(html_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},
         salvage_row("Broken files", job_.salvage),
@@ -115,11 +123,21 @@ class CleanCommand : public Command {
     if (!report_path_.empty() && same_file(report_path_, job_.output)) {
       refuse(fmt::format("{}: --report and -o name the same file", report_path_), "");
     }
+    require_page();
     if (job_.output == "-" && is_terminal(STDOUT_FILENO)) {
       refuse("-o - would print a binary file on the terminal", "redirect standard output, or name a file");
     }
     if (quiet_ && verbose_) refuse("-q and -v exclude each other", "");
     if (job_.output != "-") static_cast<void>(format_for_writing(job_.output));
+  }
+
+  void require_page() const {
+    if (html_path_.empty()) return;
+    const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    if (html_path_ == "-") refuse("--html needs a file's name", "for example --html report.html");
+    if (!snapshots_.empty()) refuse("--html and --snapshots exclude each other", "a page shows one result: leave one of them out");
+    for (const auto& [name, path] : {std::pair{"-o", job_.output}, {"--report", report_path_}, {"the input", job_.input}})
+      if (!path.empty() && same_file(html_path_, path)) refuse(fmt::format("{}: --html and {} name the same file", html_path_, name), "");
   }
 
   // Snapshots that could not be made are warned of; what counts is the result.
@@ -152,6 +170,7 @@ class CleanCommand : public Command {
 
   CleanJob job_;
   std::string report_path_;
+  std::string html_path_;
   std::string snapshots_;
   int threads_ = 0;
   bool json_ = false;
