@@ -321,7 +321,7 @@ void CleanRun::extract(const BuiltLevelSet& built) {
   begin("extracting and verifying");
   CleanedOutput::Finish finish;
   if (report_.options.max_hole && !job_.options.thicken)
-    finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
+    finish = [&](const TriangleSoup& surface) { return without_kept_caps(surface, prepared_, report_.options); };
   SurfaceMaker maker(built.level_set, prepared_, reference_for(built), output_->stores_float32(), report_, progress_);
   report_.after = output_->write_verified(maker, built.level_set.frame, finish, progress_).defects;
   if (!finish) {

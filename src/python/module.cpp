@@ -4,6 +4,7 @@
 
 #include <exception>
 
+#include "burnish/core/build_info.h"
 #include "burnish/core/error.h"
 #include "run.h"
 
@@ -24,7 +25,7 @@ void translate(std::exception_ptr thrown) {
 
 PYBIND11_MODULE(_burnish, module) {
   module.doc() = "The compiled part of burnish; use the functions of `burnish`.";
-  module.attr("__version__") = BURNISH_VERSION;
+  module.attr("__version__") = burnish::build_info().version;
   py::register_exception_translator(&translate);
   module.def("clean_options", &burnish::clean_options);
   module.def("read", &burnish::read);

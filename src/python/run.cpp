@@ -75,7 +75,7 @@ void set_option(const Option& row, const std::string& keyword, const py::handle&
     throw Error(ErrorCode::usage, fmt::format("{} {}: expected {}", keyword, std::string(py::str(value)), is_bool ? "a value" : "True or False"), std::string(row.help));
   if (is_bool) return set_switch(row, keyword, value.cast<bool>(), rows);
   const std::string text = value.cast<std::string>();
-  row.set({keyword, text});
+  row.set({keyword, text, row.value.words});
 }
 
 CleanOptions clean_options_of(const py::dict& given) {
@@ -116,7 +116,7 @@ py::list clean_options() {
   for (const Option& row : with_clean_options({}, options)) {
     std::string opposite(row.opposite.empty() ? "" : row.opposite.substr(2));
     std::replace(opposite.begin(), opposite.end(), '-', '_');
-    list.append(py::make_tuple(keyword_of(row), row.value, row.group, row.help, opposite));
+    list.append(py::make_tuple(keyword_of(row), row.value.name, row.group, row.help, opposite));
   }
   return list;
 }
