@@ -40,6 +40,7 @@ class TwinView {
     this.frame = frame;
     // What was drawn is kept, so that a printer finds it.
     this.renderer = new THREE.WebGLRenderer({canvas, antialias: facets <= MOST_SLOW_FACETS || !drawsSlowly(), alpha: true, preserveDrawingBuffer: true});
+    this.renderer.setClearColor(0, 0);  // three.js begins with opaque black
     this.renderer.autoClear = false;
     this.renderer.setScissorTest(true);
     this.scenes = [new THREE.Scene(), new THREE.Scene()];
@@ -64,7 +65,7 @@ class TwinView {
     const sides = 64, corners = [], facets = [];
     for (let i = 0; i <= sides; ++i) {
       const c = Math.cos(2 * Math.PI * i / sides), s = Math.sin(2 * Math.PI * i / sides);
-      corners.push(c, s, 0, 1.045 * c, 1.045 * s, 0);
+      corners.push(c, s, 0, 1.022 * c, 1.022 * s, 0);
       if (i < sides) facets.push(2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 2, 2 * i + 1, 2 * i + 3);
     }
     const geometry = new THREE.BufferGeometry();
