@@ -1,20 +1,52 @@
 // The one camera of both views: where it looks, from where, and how the pointer moves it. Lengths are those of the normalised
 // scene, in which both models fit into a ball of radius 1 about the origin.
 
-const HOME = {azimuth: -0.95, elevation: 0.42, distance: 3.6};
+const HOME = {azimuth: -0.95, elevation: 0.42};
+const FARTHEST = 12;
+const MARGIN = 1.1;        // around the models
 const FIELD_OF_VIEW = 35;  // degrees, of the shorter side of a view
 
 class OrbitCamera {
-  constructor(changed) {
+  // `corners` are those of a box about both models.
+  constructor(corners, changed) {
+    this.corners = corners;
+    this.aspect = 1;
     this.changed = changed;
     this.eye = new THREE.PerspectiveCamera(FIELD_OF_VIEW, 1, 0.01, 20);
-    this.eye.up.set(0, 0, 1);
+    this.up = 'z';
+    this.reset();
+  }
+
+  // Between axes with z upwards and those of the model, where its y may be what is upwards.
+  turned({x, y, z}) { return this.up === 'z' ? new THREE.Vector3(x, y, z) : new THREE.Vector3(x, z, -y); }
+  unturned({x, y, z}) { return this.up === 'z' ? new THREE.Vector3(x, y, z) : new THREE.Vector3(x, -z, y); }
+
+  setUp(axis) {
+    this.up = axis;
     this.reset();
   }
 
   reset() {
-    this.target = new THREE.Vector3();
     Object.assign(this, HOME);
+    this.fit();
+  }
+
+  // The slopes of the view's upper and right side: the shorter of its sides has the field of view.
+  slopes() {
+    const up = Math.tan(FIELD_OF_VIEW * Math.PI / 360) / Math.min(this.aspect, 1);
+    return {up, right: up * this.aspect};
+  }
+
+  // As near as all of the box is seen from, about its middle.
+  fit() {
+    const back = this.direction(), right = this.turned(new THREE.Vector3(-Math.sin(this.azimuth), Math.cos(this.azimuth), 0)), up = back.clone().cross(right);
+    const slope = this.slopes();
+    this.target = new THREE.Vector3();
+    this.distance = 0.1;
+    for (const corner of this.corners) {
+      const across = Math.max(Math.abs(corner.dot(right)) / slope.right, Math.abs(corner.dot(up)) / slope.up);
+      this.distance = Math.max(this.distance, MARGIN * across + corner.dot(back));
+    }
     this.flight = null;
     this.changed();
   }
@@ -22,15 +54,16 @@ class OrbitCamera {
   // From the camera's target to the camera.
   direction() {
     const c = Math.cos(this.elevation);
-    return new THREE.Vector3(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation));
+    return this.turned(new THREE.Vector3(c * Math.cos(this.azimuth), c * Math.sin(this.azimuth), Math.sin(this.elevation)));
   }
 
   place(aspect) {
     const eye = this.eye;
+    this.aspect = aspect;
     eye.position.copy(this.target).addScaledVector(this.direction(), this.distance);
+    eye.up.copy(this.turned({x: 0, y: 0, z: 1}));
     eye.lookAt(this.target);
-    const half = Math.tan(FIELD_OF_VIEW * Math.PI / 360);
-    eye.fov = 2 * Math.atan(half / Math.min(aspect, 1)) * 180 / Math.PI;
+    eye.fov = 2 * Math.atan(this.slopes().up) * 180 / Math.PI;
     eye.aspect = aspect;
     eye.near = Math.max(this.distance * 0.02, 1e-5);
     eye.far = this.distance + this.target.length() + 2.5;
@@ -57,21 +90,26 @@ class OrbitCamera {
 
   zoom(factor) {
     this.flight = null;
-    this.distance = Math.max(1e-3, Math.min(12, this.distance * factor));
+    this.distance = Math.max(1e-3, Math.min(FARTHEST, this.distance * factor));
     this.changed();
   }
 
-  lookFrom(azimuth, elevation) {
-    this.flight = null;
-    Object.assign(this, {azimuth, elevation});
-    this.changed();
+  lookFrom(direction) {
+    Object.assign(this, this.angles(direction));
+    this.fit();
+  }
+
+  // Of a direction of length 1. Straight up and down are kept a little off.
+  angles(direction) {
+    const d = this.unturned(direction);
+    const azimuth = Math.hypot(d.x, d.y) > 1e-6 ? Math.atan2(d.y, d.x) : Math.PI / -2;
+    return {azimuth, elevation: Math.max(-1.55, Math.min(1.55, Math.asin(Math.max(-1, Math.min(1, d.z)))))};
   }
 
   // Goes to a view in a third of a second, or at once for those who want no motion.
   flyTo(target, direction, distance) {
-    const azimuth = Math.hypot(direction.x, direction.y) > 1e-6 ? Math.atan2(direction.y, direction.x) : this.azimuth;
+    const {azimuth, elevation} = this.angles(direction);
     const turn = Math.atan2(Math.sin(azimuth - this.azimuth), Math.cos(azimuth - this.azimuth));
-    const elevation = Math.max(-1.4, Math.min(1.4, Math.asin(Math.max(-1, Math.min(1, direction.z)))));
     const still = matchMedia('(prefers-reduced-motion: reduce)').matches;
     this.flight = {start: performance.now(), time: still ? 0 : 350,
                    from: {target: this.target.clone(), azimuth: this.azimuth, elevation: this.elevation, distance: this.distance},

@@ -36,6 +36,7 @@ function showColors(on) {
   element('tick-high').textContent = '+' + figure(scale, 3);
   element('legend-note').textContent = deviation.largest > 0
     ? 'at the points: ' + figure(deviation.least, 3) + ' to ' + figure(deviation.most, 3) : 'no point is off the input';
+  element('beyond').hidden = !(deviation.beyond_border > 0);
   if (state.view && state.view.surfaces[1]) {
     state.view.surfaces[1].showDeviation(state.colored, scale > 0 ? deviation.largest / scale : 0);
     state.view.redraw();
@@ -62,6 +63,11 @@ function connect() {
   press('plain', () => showColors(false));
   press('deviation', () => showColors(true));
   press('theme', toggleTheme);
+  press('up', () => {
+    if (!view()) return;
+    view().camera.setUp(view().camera.up === 'z' ? 'y' : 'z');
+    element('up').textContent = view().camera.up.toUpperCase() + ' up';
+  });
   press('reset', () => view() && view().reset());
   element('wireframe').addEventListener('change', event => view() && view().each(s => s.showWireframe(event.target.checked)));
   element('marks').addEventListener('change', event => view() && view().each(s => { s.marks.visible = event.target.checked; }));
@@ -69,8 +75,8 @@ function connect() {
     state.scale = drawing.deviation.scale * 10 ** Number(event.target.value);
     showColors(state.colored);
   });
-  const from = {x: [0, 0], y: [Math.PI / 2, 0], z: [-Math.PI / 2, 1.55]};
-  for (const button of document.querySelectorAll('[data-from]')) button.addEventListener('click', () => view() && view().camera.lookFrom(...from[button.dataset.from]));
+  const from = {x: {x: 1, y: 0, z: 0}, y: {x: 0, y: 1, z: 0}, z: {x: 0, y: 0, z: 1}};
+  for (const button of document.querySelectorAll('[data-from]')) button.addEventListener('click', () => view() && view().camera.lookFrom(from[button.dataset.from]));
 }
 
 async function addSurface(view, side, mesh, frame) {
@@ -84,13 +90,14 @@ async function addSurface(view, side, mesh, frame) {
 async function start() {
   if (typeof DecompressionStream === 'undefined') throw new Error('this browser cannot unpack the surfaces; those since 2023 can');
   const frame = new SceneFrame([drawing.before, drawing.after]);
-  const view = new TwinView(element('canvas'), frame);
+  const view = new TwinView(element('canvas'), frame, drawing.before.facets + drawing.after.facets);
   const values = drawing.deviation ? decodedValues(drawing.deviation.values) : null;
+  const borders = drawing.deviation && drawing.deviation.beyond_border > 0 ? inflated(drawing.deviation.border) : null;
   await Promise.all([addSurface(view, 0, drawing.before, frame), addSurface(view, 1, drawing.after, frame)]);
-  if (values && view.surfaces[1]) view.surfaces[1].setDeviation(await values);
+  if (values && view.surfaces[1]) view.surfaces[1].setDeviation(await values, await borders);
   state.view = view;
-  showColors(Boolean(drawing.deviation && drawing.deviation.largest > 0));
-  view.draw();
+  showColors(Boolean(drawing.deviation && drawing.deviation.differs));
+  view.begin();
   // Reading a pixel waits until the frame is there.
   const gl = view.renderer.getContext();
   gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));
@@ -102,7 +109,7 @@ async function start() {
 fillHeader(report);
 fillCounts(report);
 fillFigures(report);
-fillPlaces(places, select);
+fillPlaces(places, report.before.box ? report.before.box.diagonal : 0, select);
 noteSimplified();
 connect();
 showColors(false);

@@ -54,8 +54,13 @@ function fillCounts(report) {
 
 function fillFigures(report) {
   const diagonal = report.before.box ? report.before.box.diagonal : 0;
-  const share = length => diagonal > 0 ? ' (' + figure(100 * length / diagonal, 2) + '%)' : '';
-  const row = (label, d) => [label, ...['max', 'mean', 'rms'].map(key => d ? figure(d[key], 3) + share(d[key]) : '-')];
+  const share = length => diagonal > 0 ? figure(100 * length / diagonal, 2) + '%' : '';
+  const cell = length => {
+    const td = make('td', figure(length, 3));
+    td.append(make('small', share(length)));
+    return td;
+  };
+  const row = (label, d) => [label, ...['max', 'mean', 'rms'].map(key => d ? cell(d[key]) : '-')];
   const {input_to_output: there, output_to_input: back} = report.deviation;
   fillTable(element('distances'), ['', 'max', 'mean', 'rms'], [row('input \u2192 output', there), row('output \u2192 input', back)]);
   element('method').className = 'prose';
@@ -94,7 +99,8 @@ function collectPlaces(report, drawing) {
   return groups;
 }
 
-function fillPlaces(groups, go) {
+// `size`: of the model, to tell what is as good as zero.
+function fillPlaces(groups, size, go) {
   const list = element('places');
   if (!groups.length) return list.replaceChildren(make('p', 'Nothing was wrong.', 'nothing'));
   groups.forEach((group, g) => {
@@ -108,7 +114,7 @@ function fillPlaces(groups, go) {
     for (const entry of group.entries) {
       const button = make('button', entry.text);
       button.type = 'button';
-      button.append(make('small', placeText(entry.position)));
+      button.append(make('small', placeText(entry.position, size)));
       button.setAttribute('aria-pressed', 'false');
       button.addEventListener('click', () => go(entry));
       entry.button = button;

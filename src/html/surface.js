@@ -4,13 +4,14 @@ const COLORS = ['#1f4fa3', '#6ba5d9', '#dcdcda', '#ec9a63', '#b01c26'];  // of s
 
 // Facets are lit flat, by the light of the one who looks; backs have a colour of their own, so that holes and flipped facets are seen.
 const VERTEX_SHADER = `
-attribute float deviation;
+attribute float deviation, border;
 varying vec3 place;
-varying float value;
+varying float value, beyond;
 void main() {
   vec4 p = modelViewMatrix * vec4(position, 1.0);
   place = p.xyz;
   value = deviation;
+  beyond = border;
   gl_Position = projectionMatrix * p;
 }`;
 
@@ -20,7 +21,7 @@ uniform vec3 front, back;
 uniform float gain;
 uniform bool colored;
 varying vec3 place;
-varying float value;
+varying float value, beyond;
 vec3 mapped(float v) {
   float t = clamp(v * gain, -1.0, 1.0) * 2.0 + 2.0;
   vec3 c = mix(stops[0], stops[1], clamp(t, 0.0, 1.0));
@@ -35,8 +36,27 @@ void main() {
   float key = max(dot(n, normalize(vec3(-0.35, 0.55, 0.75))), 0.0);
   float fill = max(dot(n, normalize(vec3(0.7, -0.2, 0.55))), 0.0);
   float light = 0.34 + 0.56 * key + 0.16 * fill;
-  vec3 base = gl_FrontFacing ? (colored ? mapped(value) : front) : back;
+  vec3 base = gl_FrontFacing ? (colored ? mix(mapped(value), vec3(0.286, 0.702, 0.518), smoothstep(0.4, 0.6, beyond)) : front) : back;
   gl_FragColor = vec4(base * light, 1.0);
+}`;
+
+// Dots are drawn a little towards the eye, so that the facets they lie on do not hide them.
+const DOT_VERTEX_SHADER = `
+uniform float size;
+void main() {
+  vec4 p = modelViewMatrix * vec4(position, 1.0);
+  p.xyz *= 0.995;
+  gl_Position = projectionMatrix * p;
+  gl_PointSize = size;
+}`;
+
+const DOT_FRAGMENT_SHADER = `
+uniform vec3 color;
+uniform float opacity;
+void main() {
+  float r = 2.0 * length(gl_PointCoord - 0.5);
+  if (r > 1.0) discard;
+  gl_FragColor = vec4(mix(color, vec3(1.0), smoothstep(0.62, 0.72, r)), opacity);
 }`;
 
 function plainColor(css) {
@@ -73,8 +93,10 @@ class Surface {
     return object;
   }
 
-  setDeviation(values) {
+  // Shares of the largest distance; of `borders`, if given, 1 where the input has an open edge only.
+  setDeviation(values, borders) {
     this.geometry.setAttribute('deviation', new THREE.BufferAttribute(values, 1, true));
+    if (borders) this.geometry.setAttribute('border', new THREE.BufferAttribute(borders, 1));
   }
 
   showDeviation(on, gain) {
@@ -105,14 +127,19 @@ class Surface {
     this.add(new THREE.Mesh(geometry, new THREE.MeshBasicMaterial({color, wireframe: true})), this.marks);
   }
 
-  // A dot at each listed place, as large on the screen from near and from far.
+  // A dot at each listed place, as large on the screen from near and from far; faint where it is hidden.
   addDots(positions, color) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(positions.flatMap(p => this.frame.toScene(p).toArray())), 3));
-    const material = new THREE.PointsMaterial({color, size: 6, sizeAttenuation: false, depthTest: false, transparent: true, opacity: 0.85});
-    const dots = new THREE.Points(geometry, material);
-    dots.frustumCulled = false;
-    dots.renderOrder = 2;
-    this.marks.add(dots);
+    for (const hidden of [true, false]) {
+      const material = new THREE.ShaderMaterial({
+        vertexShader: DOT_VERTEX_SHADER, fragmentShader: DOT_FRAGMENT_SHADER, transparent: true, depthTest: !hidden, depthWrite: false,
+        uniforms: {color: {value: plainColor(color)}, opacity: {value: hidden ? 0.22 : 0.95}, size: {value: 9 * Math.min(devicePixelRatio || 1, 2)}},
+      });
+      const dots = new THREE.Points(geometry, material);
+      dots.frustumCulled = false;
+      dots.renderOrder = 2;
+      this.marks.add(dots);
+    }
   }
 }

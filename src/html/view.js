@@ -13,33 +13,67 @@ class SceneFrame {
     }
     const some = low[0] <= high[0];
     this.center = low.map((v, a) => some ? v / 2 + high[a] / 2 : 0);
-    this.radius = some ? Math.hypot(...low.map((v, a) => (high[a] - v) / 2)) || 1 : 1;
+    this.half = low.map((v, a) => some ? high[a] / 2 - v / 2 : 0);
+    this.radius = Math.hypot(...this.half) || 1;
   }
   toScene(p) { return new THREE.Vector3(...p.map((v, a) => (v - this.center[a]) / this.radius)); }
+  corners() {
+    return [...Array(8).keys()].map(i => new THREE.Vector3(...this.half.map((h, a) => (i >> a & 1 ? h : -h) / this.radius)));
+  }
   toModel(v) { return v.toArray().map((x, a) => x * this.radius + this.center[a]); }
 }
 
+// Whether a processor has to draw that is made for other things.
+function drawsSlowly() {
+  const context = document.createElement('canvas').getContext('webgl2', {failIfMajorPerformanceCaveat: true});
+  if (!context) return true;
+  const loss = context.getExtension('WEBGL_lose_context');
+  if (loss) loss.loseContext();
+  return false;
+}
+
+const MOST_SLOW_FACETS = 50000;  // drawn with smooth edges, which takes four times as long, where that is slow
+
 class TwinView {
-  constructor(canvas, frame) {
+  constructor(canvas, frame, facets) {
     this.canvas = canvas;
     this.frame = frame;
     // What was drawn is kept, so that a printer finds it.
-    this.renderer = new THREE.WebGLRenderer({canvas, antialias: true, alpha: true, preserveDrawingBuffer: true});
+    this.renderer = new THREE.WebGLRenderer({canvas, antialias: facets <= MOST_SLOW_FACETS || !drawsSlowly(), alpha: true, preserveDrawingBuffer: true});
+    this.renderer.setClearColor(0, 0);  // three.js begins with opaque black
     this.renderer.autoClear = false;
     this.renderer.setScissorTest(true);
     this.scenes = [new THREE.Scene(), new THREE.Scene()];
     this.surfaces = [null, null];
-    this.waiting = false;
-    this.camera = new OrbitCamera(() => this.redraw());
+    this.waiting = true;  // for the surfaces
+    this.camera = new OrbitCamera(frame.corners(), () => this.redraw());
     this.rings = this.scenes.map(scene => this.ring(scene));
     steer(canvas, this.camera);
     new ResizeObserver(() => this.fit()).observe(canvas);
-    this.fit();
   }
 
+  // Once the surfaces are there.
+  begin() {
+    this.fit();
+    this.camera.fit();
+    this.waiting = false;
+    this.draw();
+  }
+
+  // A circle that always faces the eye, seen through everything.
   ring(scene) {
-    const material = new THREE.MeshBasicMaterial({color: 0xffc400, wireframe: true, transparent: true, opacity: 0.55, depthTest: false});
-    const ring = new THREE.Mesh(new THREE.SphereGeometry(1, 20, 12), material);
+    const sides = 64, corners = [], facets = [];
+    for (let i = 0; i <= sides; ++i) {
+      const c = Math.cos(2 * Math.PI * i / sides), s = Math.sin(2 * Math.PI * i / sides);
+      corners.push(c, s, 0, 1.022 * c, 1.022 * s, 0);
+      if (i < sides) facets.push(2 * i, 2 * i + 1, 2 * i + 2, 2 * i + 2, 2 * i + 1, 2 * i + 3);
+    }
+    const geometry = new THREE.BufferGeometry();
+    geometry.setAttribute('position', new THREE.BufferAttribute(new Float32Array(corners), 3));
+    geometry.setIndex(facets);
+    const material = new THREE.MeshBasicMaterial({color: 0xffb000, side: THREE.DoubleSide, depthTest: false, transparent: true});
+    const ring = new THREE.Mesh(geometry, material);
+    ring.frustumCulled = false;
     ring.visible = false;
     ring.renderOrder = 1;
     scene.add(ring);
@@ -60,8 +94,11 @@ class TwinView {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     if (!width || !height) return;
     this.renderer.setPixelRatio(Math.min(devicePixelRatio || 1, 2));
+    if (width === this.width && height === this.height) return;
+    Object.assign(this, {width, height});
     this.renderer.setSize(width, height, false);
-    this.draw();
+    this.camera.aspect = Math.floor(width / 2) / height;
+    if (!this.waiting) this.draw();
   }
 
   redraw() {
@@ -78,6 +115,7 @@ class TwinView {
     const {clientWidth: width, clientHeight: height} = this.canvas;
     const half = Math.floor(width / 2);
     this.camera.place(half / height);
+    for (const ring of this.rings) ring.quaternion.copy(this.camera.eye.quaternion);
     this.scenes.forEach((scene, side) => {
       const area = [side * half, 0, side ? width - half : half, height];
       this.renderer.setViewport(...area);
@@ -87,7 +125,7 @@ class TwinView {
     });
   }
 
-  // A ball about a place, in model coordinates, and the camera in front of it.
+  // A circle about a place, in model coordinates, and the camera in front of it.
   goTo(position, radius, normal) {
     const at = this.frame.toScene(position), size = Math.max(radius / this.frame.radius, 0.012);
     for (const ring of this.rings) {

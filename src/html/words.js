@@ -35,7 +35,7 @@ function figure(value, digits = 6) {
 }
 
 const spoken = key => key.replaceAll('_', ' ');
-const placeText = p => '(' + p.map(v => figure(v, 5)).join(', ') + ')';
+const placeText = (p, size) => '(' + p.map(v => figure(Math.abs(v) < 1e-9 * size ? 0 : v, 5)).join(', ') + ')';
 
 function verdictText(report) {
   const {written, verified, is_sheet} = report.output;

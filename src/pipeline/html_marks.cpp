@@ -14,7 +14,7 @@ bool has_defects(const Defects& d) {
   return d.degenerate_facets + d.duplicate_facets + d.open_edges + d.non_manifold_edges + d.non_manifold_points + d.misoriented_edges + d.self_intersecting_pairs > 0;
 }
 
-// The middle of what the kind's elements are: edges, facets, or points (nothing is drawn for these but the mark itself).
+// The elements of a kind are edges, facets, or points; for these nothing is drawn but a dot.
 std::span<const DefectiveEdge> edges_of(const HtmlMarks& marks, DefectKind kind) {
   const DefectiveElements& e = marks.inspection.elements;
   if (kind == DefectKind::open_loop) return e.open_edges;
@@ -38,15 +38,32 @@ Vec3 unit_normal(const TriangleSoup& soup, std::uint32_t facet) {
   return length > 0 ? normal / length : Vec3{};
 }
 
-Json json_of(const TriangleSoup& soup, const LocatedDefect& d) {
-  const Vec3 reach = max(d.box.upper - d.position, d.position - d.box.lower);
-  return {{"position", burnish::json_of(d.position)}, {"normal", burnish::json_of(unit_normal(soup, d.facet))}, {"radius", norm(reach)},
-          {"count", d.count}, {"length", d.length}, {"area", d.area}};
+// Of each listed defect the mean of its facets' normals: where to look from. That of one facet if they cancel each other, or if it has but one.
+std::vector<Vec3> normals_of(const TriangleSoup& soup, const HtmlMarks& marks, DefectKind kind, std::span<const LocatedDefect> listed) {
+  const auto edges = edges_of(marks, kind);
+  const auto facets = facets_of(marks, kind);
+  const auto first = static_cast<std::size_t>(listed.data() - marks.map.defects.data());
+  const std::vector<std::uint32_t>& defect = marks.map.defect_of_element[static_cast<std::size_t>(kind)];
+  std::vector<Vec3> normals(listed.size());
+  for (std::size_t i = 0; i < edges.size() + facets.size(); ++i)
+    if (defect[i] - first < listed.size()) normals[defect[i] - first] += unit_normal(soup, edges.empty() ? facets[i] : edges[i].facet);
+  for (std::size_t d = 0; d < listed.size(); ++d) {
+    const double length = norm(normals[d]);
+    normals[d] = length > 0.1 ? normals[d] / length : unit_normal(soup, listed[d].facet);
+  }
+  return normals;
 }
 
-Json listed(const TriangleSoup& soup, std::span<const LocatedDefect> defects) {
+Json listed(const TriangleSoup& soup, const HtmlMarks& marks, DefectKind kind) {
+  std::span<const LocatedDefect> defects = marks.map.of(kind);
+  defects = defects.first(std::min(defects.size(), kMostListedDefects));
+  const std::vector<Vec3> normals = normals_of(soup, marks, kind, defects);
   Json list = Json::array();
-  for (const LocatedDefect& d : defects.first(std::min(defects.size(), kMostListedDefects))) list.push_back(json_of(soup, d));
+  for (std::size_t i = 0; i < defects.size(); ++i) {
+    const LocatedDefect& d = defects[i];
+    const Vec3 reach = max(d.box.upper - d.position, d.position - d.box.lower);
+    list.push_back({{"position", json_of(d.position)}, {"normal", json_of(normals[i])}, {"radius", norm(reach)}, {"count", d.count}, {"length", d.length}, {"area", d.area}});
+  }
   return list;
 }
 
@@ -92,7 +109,7 @@ Json json_of(const TriangleSoup& welded, const HtmlMarks& marks, const Quantisat
   for (const DefectKind kind : kAllDefectKinds) {
     const std::span<const LocatedDefect> defects = marks.map.of(kind);
     if (defects.empty()) continue;
-    Json& j = kinds[std::string(name(kind))] = {{"total", defects.size()}, {"listed", listed(welded, defects)}};
+    Json& j = kinds[std::string(name(kind))] = {{"total", defects.size()}, {"listed", listed(welded, marks, kind)}};
     const std::vector<Vec3> lines = corners_of(welded, edges_of(marks, kind)), triangles = corners_of(welded, facets_of(marks, kind));
     if (!lines.empty()) j["lines"] = {{"count", lines.size() / 2}, {"corners", encoded_points(lines, quantisation)}};
     if (!triangles.empty()) j["triangles"] = {{"count", triangles.size() / 3}, {"corners", encoded_points(triangles, quantisation)}};

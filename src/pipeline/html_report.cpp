@@ -17,9 +17,13 @@ namespace {
 
 constexpr double kShownShare = 0.98;  // of the drawn points are within the scale of colours; those beyond have its ends
 
+constexpr double kNothing = 1e-6;      // of the diagonal: distances below it are those of rounding
+constexpr double kOnEdge = 1e-9;       // of the diagonal
+
 struct Side {
   TriangleSoup drawn;  // ordered by first use
   Json json;
+  std::vector<DefectiveEdge> open_edges;
 };
 
 Json json_of_mesh(const TriangleSoup& drawn, std::size_t facets, const Quantisation& quantisation) {
@@ -33,13 +37,14 @@ Json json_of_mesh(const TriangleSoup& drawn, std::size_t facets, const Quantisat
 }
 
 Side draw(const TriangleSoup& soup, const Defects& counted, Progress& progress) {
-  const HtmlMarks marks = find_marks(soup, counted, progress);
+  HtmlMarks marks = find_marks(soup, counted, progress);
   progress.check();
   Side side;
   side.drawn = ordered_by_first_use(reduced_for_drawing(soup, kMostDrawnFacets, marked_points(soup, marks)));
   const Quantisation quantisation = Quantisation::of(bounding_box(soup));
   side.json = json_of_mesh(side.drawn, soup.facets.size(), quantisation);
   side.json["marks"] = json_of(soup, marks, quantisation);
+  side.open_edges = std::move(marks.inspection.elements.open_edges);
   return side;
 }
 
@@ -51,16 +56,41 @@ double round_scale(double value) {
   return value;
 }
 
-// What the colours reach to: most of the points, but something where there is something at all.
-double scale_of(std::vector<double> distances, double most) {
-  if (!(most > 0)) return 0;
+// What the colours reach to: most of the points, but something where there is something at all, and never as little as rounding makes.
+double scale_of(std::vector<double> distances, double most, double diagonal) {
+  if (!(most > kNothing * diagonal)) return diagonal > 0 ? round_scale(kNothing * diagonal) : 0;
   for (double& d : distances) d = std::abs(d);
   const auto at = distances.begin() + static_cast<std::ptrdiff_t>(kShownShare * static_cast<double>(distances.size() - 1));
   std::nth_element(distances.begin(), at, distances.end());
   return round_scale(*at > 1e-3 * most ? *at : most);
 }
 
-Json deviation_of(const TriangleSoup& drawn, const TriangleSoup& before) {
+double distance_to_segment(const Vec3& p, const Vec3& a, const Vec3& b) {
+  const Vec3 along = b - a;
+  const double length = squared_norm(along);
+  const double t = length > 0 ? std::clamp(dot(p - a, along) / length, 0.0, 1.0) : 0;
+  return norm(p - (a + t * along));
+}
+
+// Of each point 1 if what is closest to it lies on an open edge, away from the point: there is no surface opposite, such as where a hole was filled.
+Bytes beyond_border(const std::vector<Vec3>& points, const TriangleSoup& before, const TriangleIndex& index, const std::vector<DefectiveEdge>& open_edges) {
+  const double diagonal = bounding_box(before).diagonal();
+  std::vector<std::uint32_t> first(before.facets.size() + 1);  // of each facet's open edges, which are sorted by it
+  std::vector<DefectiveEdge> edges = open_edges;
+  std::stable_sort(edges.begin(), edges.end(), [](const DefectiveEdge& a, const DefectiveEdge& b) { return a.facet < b.facet; });
+  for (const DefectiveEdge& e : edges) ++first[e.facet];
+  exclusive_scan_in_place(first);
+  Bytes beyond(points.size());
+  parallel_for(points.size(), [&](std::size_t i) {
+    const TriangleIndex::Closest c = index.closest(points[i]);
+    if (c.facet == kNoFacet || c.squared_distance <= kNothing * kNothing * diagonal * diagonal) return;
+    for (std::uint32_t e = first[c.facet]; e < first[c.facet + 1]; ++e)
+      if (distance_to_segment(c.point, before.points[edges[e].points[0]], before.points[edges[e].points[1]]) <= kOnEdge * diagonal) beyond[i] = 1;
+  });
+  return beyond;
+}
+
+Json deviation_of(const TriangleSoup& drawn, const TriangleSoup& before, const std::vector<DefectiveEdge>& open_edges) {
   if (drawn.points.empty() || before.facets.empty()) return nullptr;
   const TriangleIndex index(before);
   const auto closest = [&](const Vec3& p) {
@@ -73,14 +103,20 @@ Json deviation_of(const TriangleSoup& drawn, const TriangleSoup& before) {
     least = std::min(least, d);
     most = std::max(most, d);
   }
-  const double largest = std::max(-least, most);
-  return {{"least", least}, {"most", most}, {"largest", largest}, {"scale", scale_of(distances, largest)}, {"values", encoded_values(distances, largest)}};
+  const double largest = std::max(-least, most), diagonal = bounding_box(before).diagonal();
+  Json json = {{"least", least}, {"most", most}, {"largest", largest}, {"differs", largest > kNothing * diagonal}, {"scale", scale_of(distances, largest, diagonal)},
+               {"values", encoded_values(distances, largest)}, {"beyond_border", 0}};
+  if (open_edges.empty()) return json;
+  const Bytes beyond = beyond_border(drawn.points, before, index, open_edges);
+  json["beyond_border"] = std::count(beyond.begin(), beyond.end(), 1);
+  json["border"] = deflated_base64(beyond);
+  return json;
 }
 
 Json drawing_of(const RepairReport& report, const CleanSurfaces& surfaces, Progress& progress) {
   const Side before = draw(surfaces.before, report.before, progress), after = draw(surfaces.after, report.after, progress);
   progress.check();
-  return {{"before", before.json}, {"after", after.json}, {"deviation", deviation_of(after.drawn, surfaces.before)}};
+  return {{"before", before.json}, {"after", after.json}, {"deviation", deviation_of(after.drawn, surfaces.before, before.open_edges)}};
 }
 
 // JSON that ends no script element, whatever it tells of: '<' stands in its strings only.
