@@ -57,7 +57,7 @@ class Parser {
       apply(*option, option->value.empty() ? std::string_view{} : value_of(*option, name));
       return;
     }
-    if (option->value.empty()) refuse(fmt::format("{} takes no value", name), "");
+    if (option->value.empty()) refuse(fmt::format("{} takes no value", name), fmt::format("write {} alone", name));
     apply(*option, word.substr(equals + 1));
   }
 
@@ -86,7 +86,7 @@ class Parser {
 
   void apply(const Option& option, std::string_view value) {
     const bool first = seen_.insert(option.name).second;
-    if (!first && !option.value.empty() && !option.repeatable) refuse(fmt::format("{} is given twice", option.name), "");
+    if (!first && !option.value.empty() && !option.repeatable) refuse(fmt::format("{} is given twice", option.name), "leave one of the two out");
     option.set({option.name, value, option.value.words});
   }
 

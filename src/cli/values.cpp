@@ -21,7 +21,7 @@ constexpr std::string_view kLengthHint =
 }
 
 [[noreturn]] void refuse_length(const GivenValue& given) {
-  if (given.text.starts_with('-')) refuse(given, "a length must be greater than zero", "");
+  if (given.text.starts_with('-')) refuse(given, "a length must be greater than zero", "for example 0.5 (the model's units) or 0.2% (of the diagonal)");
   if (given.text.find(',') != std::string_view::npos) {
     refuse(given, "not a length", "numbers have a decimal point, not a comma: 0.5");
   }
@@ -36,7 +36,7 @@ constexpr std::string_view kLengthHint =
 Length positive_length(const GivenValue& given) {
   const auto length = parse_length(given.text);
   if (!length) refuse_length(given);
-  if (!(length->value > 0)) refuse(given, "a length must be greater than zero", "");
+  if (!(length->value > 0)) refuse(given, "a length must be greater than zero", "for example 0.5 (the model's units) or 0.2% (of the diagonal)");
   return *length;
 }
 

@@ -102,7 +102,7 @@ SampleGrid sample_grid(const FieldContent& content, const Box3& model, double ce
   SampleGrid grid{{}, box.lower, cell};
   if (content.samples) grid.spacing = box.longest_side() / (*content.samples - 1);
   if (content.spacing) grid.spacing = content.spacing->in_model_units(model.diagonal(), cell);
-  if (!(grid.spacing > 0)) throw Error(ErrorCode::usage, fmt::format("a spacing of {:g} is none", grid.spacing), "give a box that has a size, and a spacing above zero");
+  if (!(grid.spacing > 0)) throw Error(ErrorCode::usage, fmt::format("expected a spacing greater than zero, found {:g}", grid.spacing), "give a box that has a size, and a spacing above zero");
   double all = 1;
   for (int a = 0; a < 3; ++a) {
     const double steps = std::ceil((box.upper[a] - box.lower[a]) / grid.spacing * (1 - 1e-9));
