@@ -32,7 +32,7 @@ double angle(const GivenValue& given, double most) {
 void signed_offset(const GivenValue& given, CleanOptions& options) {
   options.offset_inwards = given.text.starts_with('-');
   const bool is_signed = options.offset_inwards || given.text.starts_with('+');
-  options.offset = length_without_cells({given.name, given.text.substr(is_signed ? 1 : 0)});
+  options.offset = length_without_cells(given.part(given.text.substr(is_signed ? 1 : 0)));
 }
 
 std::vector<Option> rows(CleanOptions& o) {

@@ -195,7 +195,7 @@ class FieldCommand : public Command {
     std::vector<std::string> words;
     for (std::size_t a = 0; a < kFieldArrays; ++a) words.emplace_back(name(static_cast<FieldArray>(a)));
     std::vector<FieldArray> chosen;
-    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word}, words));
+    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>(v.part(word), words));
     return chosen;
   }
 

@@ -35,7 +35,7 @@ std::string commands_text() {
 }
 
 int print_help(const CommandEntry& entry) {
-  const std::string text = help_text(entry.make()->command_line());
+  const std::string text = help_text(full_command_line(*entry.make()));
   write_stdout(&entry == &commands().front() ? fmt::format("{}\n{}", text, commands_text()) : text);
   return 0;
 }
@@ -91,8 +91,7 @@ int run(Words words) {
     refuse_late_command(words);
   }
   const std::unique_ptr<Command> command = chosen.make();
-  parse(command->command_line(), words);
-  return command->run();
+  return parse(full_command_line(*command), words) ? command->run() : 0;
 }
 
 int fail(const Error& error, bool as_json) {

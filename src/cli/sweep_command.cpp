@@ -88,7 +88,7 @@ class SweepCommand : public Command {
       const std::size_t comma = rest.find(',');
       const std::string_view text = rest.substr(0, comma);
       if (!seen.insert(text).second) throw Error(ErrorCode::usage, fmt::format("{} {}: {} is given twice", given.name, given.text, text));
-      steps_.push_back({positive_length({given.name, text}), std::string(text)});
+      steps_.push_back({positive_length(given.part(text)), std::string(text)});
       if (comma == rest.npos) return;
       rest.remove_prefix(comma + 1);
     }
