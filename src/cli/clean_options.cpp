@@ -42,6 +42,7 @@ std::vector<Option> rows(CleanOptions& o) {
      [&o](const GivenValue& v) { iso_value(v, o.volume); }},
     {"--below", 0, "", "Volumes", "Inside are the values below --iso.", switch_on(o.volume.below)},
     {"--array", 0, "NAME", "Volumes", "Which of several arrays of values. The active one, or the first, when not given.", store_text(o.volume.array)},
+    units_row("Lengths", o.unit),
     {"--method", 0, "M", "Repair",
      "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
      [&o](const GivenValue& v) { o.method = one_of<Method>(v, {"auto", "local", "levelset"}); }},

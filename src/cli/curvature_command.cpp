@@ -44,7 +44,8 @@ class CurvatureCommand : public Command {
             {"burnish curvature IN [-o OUT] [options]"},
             {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -76,6 +77,7 @@ class CurvatureCommand : public Command {
          [this](const GivenValue& v) { job_.check = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); }},
         {"--smooth", 0, "L", "Curvature", "Remove waves shorter than L first, facets among them. The volume is kept.",
          [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
+        units_row("Resolution", o.unit),
         {"--cell", 0, "L", "Resolution", "Side of the cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
            if (v.text != "auto") o.cell = length_without_cells(v);

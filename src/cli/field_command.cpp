@@ -57,7 +57,8 @@ class FieldCommand : public Command {
             {"burnish field IN [-o OUT] [options]"},
             {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -83,6 +84,7 @@ class FieldCommand : public Command {
     const double start = monotonic_seconds();
     CellOctreeJob job;
     job.input = job_.input, job.output = job_.output;
+    job.unit = job_.options.unit;
     job.salvage = job_.salvage, job.overwrite = job_.overwrite;
     job.cell = job_.options.cell, job.resolution = job_.options.resolution, job.cell_max = job_.options.cell_max;
     job.limits = job_.limits;
@@ -151,6 +153,7 @@ class FieldCommand : public Command {
         {"--spacing", 0, "L", "Output", "Distance between nodes of a .vti or .nrrd; that of the finest cells when not given.",
          of_samples([&c](const GivenValue& v) { c.spacing = positive_length(v); })},
         {"--json", 0, "", "Output", "Print the result as JSON.", switch_on(json_)},
+        units_row("Resolution", o.unit),
         {"--cell", 0, "L", "Resolution", "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
            if (v.text != "auto") o.cell = length_without_cells(v);

@@ -56,7 +56,8 @@ class MeshCommand : public Command {
             {"burnish mesh IN -o CASE [options]"},
             {{"IN", "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -121,6 +122,7 @@ class MeshCommand : public Command {
 
   std::vector<Option> cell_rows() {
     return {
+        units_row("Cells", job_.options.unit),
         {"--cell", 0, "L", "Cells", "Side of the finest cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
          [this](const GivenValue& v) { job_.cell = length_without_cells(v); }},
         {"--cells", 0, "N", "Cells", "Choose the side so that there are about N cells, such as 200000, 200k or 2M.", [this](const GivenValue& v) { job_.cells = cell_count(v); }},

@@ -39,7 +39,8 @@ class SweepCommand : public Command {
             {"burnish sweep IN --smooth L,L,... -o OUT-{}.stl [options]"},
             {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {

@@ -1,5 +1,7 @@
 #include "burnish/core/model_unit.h"
 
+#include <fmt/format.h>
+
 namespace burnish {
 namespace {
 
@@ -26,8 +28,7 @@ double converted(double value, ModelUnit from, ModelUnit to) { return from == to
 
 std::string unit_suffix(const std::optional<ModelUnit>& unit, int power) {
   if (!unit) return {};
-  const std::string text = " " + std::string(name(*unit));
-  return power == 1 ? text : text + "^" + std::to_string(power);
+  return power == 1 ? fmt::format(" {}", name(*unit)) : fmt::format(" {}^{}", name(*unit), power);
 }
 
 }  // namespace burnish

@@ -38,6 +38,14 @@ class DeviationOutput {
   OutputFile file_;
 };
 
+// Files in different units are compared as they are, with a warning.
+std::optional<ModelUnit> unit_of(const CompareJob& job, ComparedSide& a, ComparedSide& b) {
+  if (a.unit && b.unit && *a.unit != *b.unit)
+    b.file.warnings.push_back(fmt::format("its unit is {}, that of A is {}: coordinates are compared as they are", name(*b.unit), name(*a.unit)));
+  static_cast<void>(unit_of(job.unit, b.unit, b.file.warnings));
+  return unit_of(job.unit, a.unit, a.file.warnings);
+}
+
 }  // namespace
 
 CompareResult compare_files(const CompareJob& job, Progress& progress) {
@@ -48,6 +56,7 @@ CompareResult compare_files(const CompareJob& job, Progress& progress) {
   ComparedSide a(job.a, job.salvage, progress), b(job.b, job.salvage, progress);
   CompareResult result;
   result.exact = job.exact;
+  result.unit = unit_of(job, a, b);
   result.diagonal = a.file.measures.box.diagonal();
   if (job.max) result.limit = job.max->in_model_units(result.diagonal, 0);
   progress.begin_stage("indexing");

@@ -49,6 +49,7 @@ class ComparedSide {
     file.file = path;
     file.format = name(mesh.format);
     file.warnings = std::move(mesh.warnings);
+    unit = mesh.unit;
     progress.check();
     soup = weld(std::move(mesh.soup));
     require_measurable(path, bounding_box(soup).diagonal());
@@ -79,6 +80,7 @@ class ComparedSide {
   }
 
   ComparedFile file;
+  std::optional<ModelUnit> unit;  // as the file says
   TriangleSoup soup;
   SideRule rule = SideRule::winding_number;
   std::unique_ptr<TriangleIndex> index;

@@ -13,7 +13,9 @@ import traceback
 from pathlib import Path
 
 sys.dont_write_bytecode = True  # the source tree stays as it is
+import batch_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import cases
+import config_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import ic_scenarios  # noqa: F401  (adds to the groups of scenarios)
