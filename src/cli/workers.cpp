@@ -147,7 +147,7 @@ class Crew {
     } catch (const Error&) {
       ::_exit(exit_code(ErrorCode::bug));
     }
-    std::exit(code);
+    ::_exit(code);  // not std::exit: a library that this program links waits, in the end, for threads that a fork does not have
   }
 
   void wait() {

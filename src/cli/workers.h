@@ -38,7 +38,7 @@ struct WorkerPlan {
 
 // Does all runs. One that ends with exit code 6 while it had a share of the memory only is repeated, alone and with all of it, once the others are done.
 // A signal that this process gets is passed on to the runs, in order; then Error{interrupted} is thrown. Runs end when this process is killed.
-// The process must have one thread. Throws Error{bug} if the system has no more processes or files.
+// All other threads of this process have to be idle. Throws Error{bug} if the system has no more processes or files.
 void run_workers(const WorkerPlan& plan);
 
 }  // namespace burnish
