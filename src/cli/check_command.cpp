@@ -1,10 +1,14 @@
 #include <fmt/format.h>
 
+#include <functional>
+
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/marked_cells.h"
 #include "burnish/pipeline/check.h"
 #include "burnish/pipeline/report.h"
+#include "batch_files.h"
+#include "batch_run.h"
 #include "commands.h"
 #include "console.h"
 #include "shared_rows.h"
@@ -18,10 +22,11 @@ namespace {
 
 constexpr std::string_view kNotes =
     R"(Exit codes: 0 a valid solid, 1 not a valid solid, 2 usage, 3 input unreadable,
-4 output unwritable.
+4 output unwritable; of several files, the highest of theirs.
 
 Examples:
   burnish check part.stl && echo printable
+  burnish check parts/*.stl --jobs auto
   burnish check part.stl --output-defects defects.vtp
 )";
 
@@ -33,40 +38,90 @@ class CheckCommand : public Command {
     return {"check",
             "Says what is wrong with a triangle file and where, and whether it is a valid\n"
             "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
-            {"burnish check FILE [options]"},
-            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {"burnish check FILE... [options]"},
+            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY or OFF file, or several; '-' is standard input.", [this](const GivenValue& v) { inputs_.emplace_back(v.text); }, true}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.unit};
   }
 
   int run() override {
-    require_consistent();
-    require_plausible_input(job_.input);
-    const ThreadLimit limit(threads_);
-    Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
-    if (job_.overwrite && job_.defects_output.empty()) {
-      console.warn("--overwrite", {"has no effect without --output-defects"});
-    }
-    const CheckResult result = check(job_, console);
-    console.end_stage();
-    console.warn(result.input, result.warnings);
-    if (json_) {
-      write_stdout(to_json(result));
-    } else if (!quiet_) {
-      write_stdout(check_summary(result, verbose_ ? kPlacesVerbose : kPlaces));
-    }
-    return result.valid_solid ? 0 : exit_code(ErrorCode::answer_is_no);
+    if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other");
+    if (job_.overwrite && job_.defects_output.empty()) Console(verbosity()).warn("--overwrite", {"has no effect without --output-defects"});
+    return inputs_.size() == 1 ? run_one() : run_several();
   }
 
  private:
+  int run_one() {
+    const std::vector<PlacedOption> placed = placed_options();
+    MadeFolders folders;
+    const std::string output = job_.defects_output;
+    job_.input = inputs_.front();
+    place_files_of(job_.input, placed);
+    require_consistent();
+    if (is_place(output)) folders.make_for(job_.defects_output);
+    return check_one(verbosity(), {threads_, 1}, [this](const CheckResult& result) {
+      if (json_)
+        write_stdout(to_json(result));
+      else if (!quiet_)
+        write_stdout(check_summary(result, verbose_ ? kPlacesVerbose : kPlaces));
+    });
+  }
+
+  int run_several() {
+    const std::vector<PlacedOption> placed = placed_options();
+    const std::vector<std::string> files = files_for(inputs_, placed).front();
+    const auto take = [&](std::size_t run) {
+      job_.input = inputs_[run];
+      if (!files.empty()) job_.defects_output = files[run];
+    };
+    MadeFolders folders;
+    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent(), folders.make_for(job_.defects_output);
+    return run_batch({.command = "check",
+                      .inputs = inputs_,
+                      .outputs = {},
+                      .summary = {},
+                      .overwrite = job_.overwrite,
+                      .jobs = jobs_,
+                      .threads = threads_,
+                      .verbosity = verbosity(),
+                      .json = json_,
+                      .unit = job_.unit,
+                      .work = [&](std::size_t run, const Share& share, std::string& told) {
+                        take(run);
+                        return check_one(verbosity() == Verbosity::normal ? Verbosity::brief : verbosity(), share, [&](const CheckResult& result) {
+                          told = to_json(result);
+                          if (verbose_ && !json_) write_stdout(check_summary(result, kPlacesVerbose) + "\n");
+                        });
+                      }});
+  }
+
+  Verbosity verbosity() const { return quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal; }
+
+  // Options that name a file for each input; for several, a folder or a pattern.
+  std::vector<PlacedOption> placed_options() { return {{"--output-defects", &job_.defects_output, ".vtp"}}; }
+
+  int check_one(Verbosity verbosity, const Share& share, const std::function<void(const CheckResult&)>& tell) {
+    require_plausible_input(job_.input);
+    const ThreadLimit limit(share.threads);
+    Console console(verbosity);
+    const CheckResult result = check(job_, console);
+    console.end_stage();
+    console.warn(result.input, result.warnings);
+    tell(result);
+    return result.valid_solid ? 0 : exit_code(ErrorCode::answer_is_no);
+  }
+
   std::vector<Option> option_table() {
     return {
         {"--output-defects", 0, file("OUT", kMarkedOutputs), "Options",
-         "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.defects_output)},
+         "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab). A folder (out/) or a pattern (out/{}.ply) takes one for each file.", store_text(job_.defects_output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
         salvage_row("Options", job_.salvage),
+        units_row("Options", job_.unit),
         threads_row("Options", threads_),
+        jobs_row("Options", jobs_),
         quiet_row("Options", quiet_, true),
         {"--verbose", 'v', "", "Options", "Print up to 50 places of each kind of defect, not 3.",
          switch_on(verbose_)},
@@ -76,7 +131,6 @@ class CheckCommand : public Command {
 
   // Before anything is read; an output that looks at the model must not take its place.
   void require_consistent() const {
-    if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other");
     if (job_.defects_output.empty()) return;
     static_cast<void>(marked_format_for_writing(job_.defects_output));
     if (same_file(job_.defects_output, job_.input)) {
@@ -86,6 +140,8 @@ class CheckCommand : public Command {
   }
 
   CheckJob job_;
+  std::vector<std::string> inputs_;
+  Jobs jobs_;
   int threads_ = 0;
   bool json_ = false;
   bool quiet_ = false;

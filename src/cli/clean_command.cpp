@@ -2,6 +2,7 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <functional>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
@@ -10,6 +11,8 @@
 #include "burnish/pipeline/clean.h"
 #include "burnish/pipeline/html_report.h"
 #include "burnish/pipeline/sweep.h"
+#include "batch_files.h"
+#include "batch_run.h"
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
@@ -32,11 +35,12 @@ Examples:
   burnish dirty.stl -o clean.stl
   burnish scan.stl -o smooth.ply --smooth auto --report scan.json
   burnish dirty.stl -o - --resolution 400 -q > clean.stl
+  burnish parts/*.stl -o clean/ --jobs auto --report reports/
   burnish --from-field ct.vti --iso 300 -o bone.stl --smooth 4h --mode volume
 
 Exit codes: 0 done and verified, 2 usage, 3 input unreadable, 4 output
 unwritable, 5 a guarantee could not be met, 6 memory limit, 7 time limit,
-70 a bug of Burnish, 130 interrupted.
+70 a bug of Burnish, 130 interrupted; of several inputs, the highest of theirs.
 )";
 
 class CleanCommand : public Command {
@@ -45,21 +49,86 @@ class CleanCommand : public Command {
     return {"clean",
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
-            {"burnish IN -o OUT [options]"},
-            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
+            {"burnish IN -o OUT [options]", "burnish IN IN... -o FOLDER/ [options]"},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd), or several of them; '-' is standard input.", [this](const GivenValue& v) { inputs_.emplace_back(v.text); }, true}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
+    return inputs_.size() == 1 ? run_one() : run_several();
+  }
+
+ private:
+  int run_one() {
+    const std::vector<PlacedOption> placed = placed_options();
+    MadeFolders folders;
+    const std::string output = job_.output, report = report_path_, page = html_path_;
+    job_.input = inputs_.front();
+    place_files_of(job_.input, placed);
     require_consistent();
+    if (is_place(output)) folders.make_for(job_.output);
+    if (is_place(report)) folders.make_for(report_path_);
+    if (is_place(page)) folders.make_for(html_path_);
+    warn_of_idle_options();
+    return clean_one(verbosity(), {threads_, 1}, [this](const RepairReport& r, double seconds) { print(r, seconds); });
+  }
+
+  int run_several() {
+    if (job_.output.empty())
+      throw Error(ErrorCode::usage, fmt::format("unexpected argument '{}'", inputs_[1]), fmt::format("the output is named with -o: -o {}; several inputs need a folder for theirs: -o out/", inputs_[1]));
+    const std::vector<PlacedOption> placed = placed_options();
+    const std::vector<std::vector<std::string>> files = files_for(inputs_, placed);
+    const std::string snapshots = snapshots_;
+    const auto take = [&](std::size_t run) {
+      job_.input = inputs_[run];
+      for (std::size_t o = 0; o < placed.size(); ++o)
+        if (!files[o].empty()) *placed[o].path = files[o][run];
+      if (!snapshots.empty()) snapshots_ = (std::filesystem::path(snapshots) / std::filesystem::path(job_.input).filename()).string();
+    };
+    MadeFolders folders;
+    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
+    for (const std::vector<std::string>& own : files)
+      for (const std::string& file : own) folders.make_for(file);
+    warn_of_idle_options();
+    return run_batch({.command = "clean",
+                      .inputs = inputs_,
+                      .outputs = files.front(),
+                      .summary = report_path_.empty() ? std::string() : (std::filesystem::path(report_path_).parent_path() / "summary.json").string(),
+                      .overwrite = job_.overwrite,
+                      .jobs = jobs_,
+                      .threads = threads_,
+                      .verbosity = verbosity(),
+                      .json = json_,
+                      .unit = job_.options.unit,
+                      .work = [&](std::size_t run, const Share& share, std::string& told) {
+                        take(run);
+                        return clean_one(verbosity() == Verbosity::normal ? Verbosity::brief : verbosity(), share, [&](const RepairReport& r, double seconds) {
+                          told = to_json(r);
+                          if (verbose_ && !json_) write_stdout(clean_summary(r, seconds, true) + "\n");
+                        });
+                      }});
+  }
+
+  Verbosity verbosity() const { return quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal; }
+
+  // Options that name a file for each input; for several, a folder or a pattern. The output is the first.
+  std::vector<PlacedOption> placed_options() { return {{"-o", &job_.output, ""}, {"--report", &report_path_, ".json"}, {"--html", &html_path_, ".html"}}; }
+
+  void warn_of_idle_options() const {
+    Console console(verbosity());
+    for (const std::string& name : idle_options(job_.options)) console.warn(name, {"has no effect without --smooth"});
+  }
+
+  // `tell` is called between the warnings and the error.
+  int clean_one(Verbosity verbosity, const Share& share, const std::function<void(const RepairReport&, double seconds)>& tell) {
     require_plausible_input(job_.input);
-    const ThreadLimit limit(threads_);
+    const ThreadLimit limit(share.threads);
+    job_.options.memory_shares = share.of_memory;
     const double start = monotonic_seconds();
     ReportFile report_file(report_path_, job_.overwrite), page(html_path_, job_.overwrite);
-
-    Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
-    for (const std::string& name : idle_options(job_.options)) console.warn(name, {"has no effect without --smooth"});
+    Console console(verbosity);
     if (time_limit_ > 0) console.stop_after(time_limit_);
     CleanSurfaces surfaces;
     const RepairReport report = !snapshots_.empty() ? clean_with_snapshots(console) : page.wanted() ? clean(job_, surfaces, console) : clean(job_, console);
@@ -70,22 +139,21 @@ class CleanCommand : public Command {
     console.end_stage();
     if (report_file.wanted()) report_file.write(to_json(report));
     console.warn(report.input, report.warnings);
-    print(report, monotonic_seconds() - start);
+    tell(report, monotonic_seconds() - start);
     return end_with(report.failure);
   }
 
- private:
   std::vector<Option> option_table() {
     std::vector<Option> table = {
         {"--output", 'o', file("FILE", kSurfaceOutputs), "Output",
-         "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
+         "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL. A folder (out/) or a pattern (out/{}.ply), where {} is the input's name, takes one for each input.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
         {"--snapshots", 0, folder("DIR"), "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",
          store_text(snapshots_)},
-        {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON.",
+        {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON; in a folder or by a pattern, one for each input and a summary.json.",
          store_text(report_path_)},
-        {"--html", 0, "FILE", "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures.",
+        {"--html", 0, file("FILE", {".html"}), "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures. In a folder or by a pattern, one for each input.",
          store_text(html_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},
@@ -94,7 +162,8 @@ class CleanCommand : public Command {
          "Write the result even if it could not be verified. The exit code is still 5.",
          switch_on(job_.allow_invalid)},
         threads_row("Resources", threads_),
-        {"--time-limit", 0, number("S"), "Resources", "End the run after S seconds, with exit code 7 and nothing written.",
+        jobs_row("Resources", jobs_),
+        {"--time-limit", 0, number("S"), "Resources", "End the run, of each input, after S seconds, with exit code 7 and nothing written.",
          [this](const GivenValue& v) { time_limit_ = positive_number(v); }},
         quiet_row("Messages", quiet_),
         {"--verbose", 'v', "", "Messages", "Print details and what each stage cost.", switch_on(verbose_)},
@@ -169,6 +238,8 @@ class CleanCommand : public Command {
   }
 
   CleanJob job_;
+  std::vector<std::string> inputs_;
+  Jobs jobs_;
   std::string report_path_;
   std::string html_path_;
   std::string snapshots_;

@@ -33,7 +33,7 @@ double angle(const GivenValue& given, double most) {
 void signed_offset(const GivenValue& given, CleanOptions& options) {
   options.offset_inwards = given.text.starts_with('-');
   const bool is_signed = options.offset_inwards || given.text.starts_with('+');
-  options.offset = length_without_cells({given.name, given.text.substr(is_signed ? 1 : 0)});
+  options.offset = length_without_cells(given.part(given.text.substr(is_signed ? 1 : 0)));
 }
 
 std::vector<Option> rows(CleanOptions& o) {
@@ -43,6 +43,7 @@ std::vector<Option> rows(CleanOptions& o) {
      [&o](const GivenValue& v) { iso_value(v, o.volume); }},
     {"--below", 0, "", "Volumes", "Inside are the values below --iso.", switch_on(o.volume.below)},
     {"--array", 0, "NAME", "Volumes", "Which of several arrays of values. The active one, or the first, when not given.", store_text(o.volume.array)},
+    units_row("Lengths", o.unit),
     {"--method", 0, word("M", {"auto", "local", "levelset"}), "Repair",
      "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
      [&o](const GivenValue& v) { o.method = one_of<Method>(v); }},

@@ -5,11 +5,13 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "burnish/core/model_unit.h"
 #include "value.h"
 
 namespace burnish {
@@ -19,6 +21,10 @@ struct GivenValue {
   std::string_view name;  // "--cell", or an operand's name
   std::string_view text;  // empty for a switch
   std::span<const std::string_view> words = {};  // those that its row lists
+  std::optional<ModelUnit> unit = std::nullopt;  // of the model, if --units has told it: lengths may then have a unit of their own
+
+  // A part of the value, such as one of several lengths.
+  GivenValue part(std::string_view some) const { return {name, some, words, unit}; }
 };
 
 // Stores a value. Throws Error{usage} for one that means nothing.
@@ -40,6 +46,7 @@ struct Operand {
   Value value;
   std::string_view help;
   Setter set;
+  bool many = false;  // of the last one: it may be given several times, and is set each time
 };
 
 struct CommandLine {
@@ -49,6 +56,7 @@ struct CommandLine {
   std::vector<Operand> operands;
   std::vector<Option> options;
   std::string_view notes;  // printed at the end of its help: examples, exit codes
+  const std::optional<ModelUnit>* unit = nullptr;  // what --units sets; null: the command has no such option
 
   const Option* find(std::string_view name) const;
   const Option* find(char letter) const;
@@ -66,10 +74,12 @@ class Command {
 // Runs the setters of `line` for the `arguments` (without the program's and the command's name).
 //
 // Understood: `--name value`, `--name=value`, `-n value`, `-nvalue`, switches run together (`-qv`), and
-// `--`, after which everything is an operand. A lone `-` is an operand or a value.
+// `--`, after which everything is an operand. A lone `-` is an operand or a value. Options of the file that --config
+// names are set first, in its order, except those that the arguments have too; --units is set before all others.
+// Writes the file that --save-config names (cli/config.h). False if that is all that was asked for: there are no operands.
 // Throws Error{usage} for unknown options (suggesting the nearest), missing or surplus values, options
-// given twice that are not repeatable, and operands too many or too few.
-void parse(const CommandLine& line, const std::vector<std::string>& arguments);
+// given twice that are not repeatable, and operands too many or too few; as cli/config.h says for the two files.
+bool parse(const CommandLine& line, const std::vector<std::string>& arguments);
 
 // The full help of a command, at most 80 columns wide.
 std::string help_text(const CommandLine& line);

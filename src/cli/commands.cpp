@@ -6,6 +6,7 @@
 #include <filesystem>
 
 #include "burnish/core/error.h"
+#include "config.h"
 #include "suggest.h"
 
 namespace burnish {
@@ -38,6 +39,15 @@ std::optional<std::string> nearest_command(std::string_view word) {
   std::vector<std::string> names = {"help"};
   for (const CommandEntry& entry : commands()) names.emplace_back(entry.name);
   return nearest(word, names);
+}
+
+CommandLine full_command_line(Command& command) {
+  CommandLine line = command.command_line();
+  const auto is_help = [](const Option& o) { return o.name == "--help"; };
+  const auto help = std::find_if(line.options.begin(), line.options.end(), is_help);
+  const std::vector<Option> rows = config_rows(help->group == "Messages" ? "Configuration" : help->group);
+  line.options.insert(help->group == "Messages" ? line.options.end() : help, rows.begin(), rows.end());
+  return line;
 }
 
 void require_plausible_input(const std::string& path) {

@@ -37,6 +37,9 @@ const CommandEntry* find_command(std::string_view name);
 // The name of the command that `word` seems to mean.
 std::optional<std::string> nearest_command(std::string_view word);
 
+// The command's own table, and what all commands have: --config and --save-config.
+CommandLine full_command_line(Command& command);
+
 // Throws the better error for an input that does not exist, when its name resembles a file beside it.
 // Everything else about the input is for its reader to judge.
 void require_plausible_input(const std::string& path);

@@ -43,7 +43,8 @@ class CompareCommand : public Command {
             {{file("A", kSurfaceInputs), "STL, OBJ, PLY or OFF file; the one that percentages refer to.", store_text(job_.a)},
              {file("B", kSurfaceInputs), "The other file; '-', for one of them, is standard input.", store_text(job_.b)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.unit};
   }
 
   int run() override {
@@ -76,6 +77,7 @@ class CompareCommand : public Command {
         {"--output", 'o', file("OUT", kMarkedOutputs), "Options",
          "Write A with its signed deviation from B: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
+        units_row("Options", job_.unit),
         {"--samples", 0, count("N"), "Options",
          "Take N samples by area, and up to N vertices, of each; 200000 when not given, 60000 with --normals.",
          [this](const GivenValue& v) { samples_ = integer_within(v, 1, 20'000'000); }},

@@ -140,7 +140,7 @@ std::string compare_summary(const CompareResult& r) {
     return fmt::format("{:.4g} ({:.2g}%)", value, 100 * value / r.diagonal);
   };
   const auto degrees = [](double value) { return fmt::format("{:.4g}", value); };
-  std::string text = fmt::format("A: {} ({})\nB: {} ({})\n\n", r.a.file, r.a.format, r.b.file, r.b.format);
+  std::string text = fmt::format("A: {} ({})\nB: {} ({})\n{}\n", r.a.file, r.a.format, r.b.file, r.b.format, r.unit ? fmt::format("lengths in{}\n", unit_suffix(r.unit)) : "");
   text += sizes(r.a, r.b);
   text += fmt::format("\n{:<{}}{:>{}}{:>{}}\n", "", kLabelWidth, "A -> B", kWideColumn, "B -> A", kWideColumn);
   text += fmt::format("{}distance, of {} and {} samples\n", r.exact ? "exact " : "", r.a_to_b.distance.samples,

@@ -32,6 +32,7 @@ void Console::begin_stage(std::string_view name) {
   stage_ = name;
   stage_start_ = monotonic_seconds();
   if (verbosity_ == Verbosity::quiet) return;
+  if (verbosity_ == Verbosity::brief && !bar_) return;
   // Without a terminal the line is begun now, so that a log shows what a long run is busy with.
   if (bar_)
     draw(0);
@@ -59,7 +60,7 @@ void Console::end_stage() {
   if (verbosity_ != Verbosity::quiet) {
     if (bar_) write_stderr(kClearLine);
     if (bar_ && verbosity_ == Verbosity::verbose) write_stderr(fmt::format("  {:<32}", stage_));
-    if (!bar_ || verbosity_ == Verbosity::verbose) write_stderr(fmt::format("{:8.2f} s\n", seconds));
+    if ((!bar_ && verbosity_ != Verbosity::brief) || verbosity_ == Verbosity::verbose) write_stderr(fmt::format("{:8.2f} s\n", seconds));
   }
   stage_.clear();
 }

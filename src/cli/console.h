@@ -11,7 +11,8 @@
 
 namespace burnish {
 
-enum class Verbosity { quiet, normal, verbose };
+// `brief`: of one run among many, without a line per stage.
+enum class Verbosity { quiet, brief, normal, verbose };
 
 // A Progress that draws: on a terminal one bar, redrawn ten times a second and gone at the end
 // (`verbose` leaves a line per stage); elsewhere a line per stage with its seconds. `quiet` draws

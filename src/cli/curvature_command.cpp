@@ -45,7 +45,8 @@ class CurvatureCommand : public Command {
             {"burnish curvature IN [-o OUT] [options]"},
             {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -77,6 +78,7 @@ class CurvatureCommand : public Command {
          [this](const GivenValue& v) { job_.check = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); }},
         {"--smooth", 0, length("L"), "Curvature", "Remove waves shorter than L first, facets among them. The volume is kept.",
          [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
+        units_row("Resolution", o.unit),
         {"--cell", 0, length("L", {"auto"}), "Resolution", "Side of the cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
            if (!is_listed(v)) o.cell = length_without_cells(v);

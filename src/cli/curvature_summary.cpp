@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "percent.h"
+#include "summary.h"
 
 namespace burnish {
 namespace {
@@ -61,7 +62,7 @@ std::string points_lines(const CurvatureResult& r) {
 
 std::string curvature_summary(const CurvatureResult& r, double seconds) {
   const CurvatureSummary& c = r.curvature;
-  std::string text = fmt::format("{} ({})\n\n", r.input, r.input_format);
+  std::string text = input_line(r.input, r.input_format, r.unit);
   text += line("cell", fmt::format("{:.6g}{}, {:.4g} along the longest side, {:.3g} a mean edge", r.options.cell, r.options.cell_was_chosen ? " (chosen)" : "",
                                    r.options.cells_along_longest_side, c.mean_edge / r.options.cell));
   if (r.options.smooth > 0) text += line("smooth", fmt::format("{:.6g}", r.options.smooth));

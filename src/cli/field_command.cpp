@@ -59,7 +59,8 @@ class FieldCommand : public Command {
             {"burnish field IN [-o OUT] [options]"},
             {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -85,6 +86,7 @@ class FieldCommand : public Command {
     const double start = monotonic_seconds();
     CellOctreeJob job;
     job.input = job_.input, job.output = job_.output;
+    job.unit = job_.options.unit;
     job.salvage = job_.salvage, job.overwrite = job_.overwrite;
     job.cell = job_.options.cell, job.resolution = job_.options.resolution, job.cell_max = job_.options.cell_max;
     job.limits = job_.limits;
@@ -156,6 +158,7 @@ class FieldCommand : public Command {
         {"--spacing", 0, length("L"), "Output", "Distance between nodes of a .vti or .nrrd; that of the finest cells when not given.",
          of_samples([&c](const GivenValue& v) { c.spacing = positive_length(v); })},
         {"--json", 0, "", "Output", "Print the result as JSON.", switch_on(json_)},
+        units_row("Resolution", o.unit),
         {"--cell", 0, length("L", {"auto"}), "Resolution", "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
            if (!is_listed(v)) o.cell = length_without_cells(v);
@@ -204,7 +207,7 @@ class FieldCommand : public Command {
 
   static std::vector<FieldArray> arrays(const GivenValue& v) {
     std::vector<FieldArray> chosen;
-    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word, v.words}));
+    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>(v.part(word)));
     return chosen;
   }
 

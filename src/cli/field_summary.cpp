@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "percent.h"
+#include "summary.h"
 
 namespace burnish {
 namespace {
@@ -64,7 +65,7 @@ std::string division_lines(const RefinementLimits& limits, const GrowthStatistic
 }  // namespace
 
 std::string summary_of(const FieldResult& r, double seconds) {
-  std::string text = fmt::format("{} ({})\n\n", r.input, r.input_format);
+  std::string text = input_line(r.input, r.input_format, r.unit);
   text += line("cell", fmt::format("{:.6g}{}, {:.4g} along the longest side", r.options.cell, r.options.cell_was_chosen ? " (chosen)" : "",
                                    r.options.cells_along_longest_side));
   text += line("band", fmt::format("{:g} cells", r.band));
@@ -93,7 +94,7 @@ std::string summary_of(const FieldResult& r, double seconds) {
 
 std::string summary_of(const CellOctreeResult& r, double seconds) {
   const GrowthStatistics& s = r.statistics;
-  std::string text = fmt::format("{} ({})\n\n", r.input, r.input_format);
+  std::string text = input_line(r.input, r.input_format, r.unit);
   text += line("facets", fmt::format("{}", r.facets));
   text += line("cell", fmt::format("{:.6g} to {:.6g}, {:.4g} along the longest side", r.cell, r.cell_max, r.cells_along_longest_side));
   text += line("cells", fmt::format("{}, {} cut by facets", s.cells(), s.cells_cut()));

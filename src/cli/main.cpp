@@ -3,10 +3,9 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <new>
 
 #include "burnish/core/build_info.h"
-#include "burnish/pipeline/report.h"
+#include "burnish/core/error.h"
 #include "commands.h"
 #include "report_error.h"
 #include "signals.h"
@@ -36,7 +35,7 @@ std::string commands_text() {
 }
 
 int print_help(const CommandEntry& entry) {
-  const std::string text = help_text(entry.make()->command_line());
+  const std::string text = help_text(full_command_line(*entry.make()));
   write_stdout(&entry == &commands().front() ? fmt::format("{}\n{}", text, commands_text()) : text);
   return 0;
 }
@@ -92,42 +91,19 @@ int run(Words words) {
     refuse_late_command(words);
   }
   const std::unique_ptr<Command> command = chosen.make();
-  parse(command->command_line(), words);
-  return command->run();
-}
-
-int fail(const Error& error, bool as_json) {
-  if (error.code() == ErrorCode::bug && error.hint().empty()) {
-    return fail({ErrorCode::bug, error.what(),
-                 "this is a bug of Burnish: please report it with the command and the input file"},
-                as_json);
-  }
-  print_error(error);
-  // Standard output may be what failed, so nothing is made of its refusal.
-  if (as_json) write_stdout_if_possible(to_json(error));
-  return exit_code(error.code());
+  return parse(full_command_line(*command), words) ? command->run() : 0;
 }
 
 }  // namespace
 }  // namespace burnish
 
 int main(int argc, char** argv) {
-  using burnish::Error;
-  using burnish::ErrorCode;
   burnish::occupy_standard_streams();
   burnish::install_signal_handlers();
-  bool json = false;
-  try {
-    const burnish::Words words(argv + std::min(argc, 1), argv + argc);
-    json = burnish::has_option(words, {"--json"});
-    return burnish::run(words);
-  } catch (const Error& error) {
-    return burnish::fail(error, json);
-  } catch (const std::bad_alloc&) {
-    return burnish::fail({ErrorCode::memory_limit, "out of memory",
-                          "ask for less, such as larger cells (--cell), or free some memory"},
-                         json);
-  } catch (const std::exception& error) {
-    return burnish::fail({ErrorCode::bug, fmt::format("internal error: {}", error.what())}, json);
-  }
+  const burnish::Words words(argv + std::min(argc, 1), argv + argc);
+  std::string error;
+  const int code = burnish::guarded([&] { return burnish::run(words); }, error);
+  // Standard output may be what failed, so nothing is made of its refusal.
+  if (!error.empty() && burnish::has_option(words, {"--json"})) burnish::write_stdout_if_possible(error);
+  return code;
 }

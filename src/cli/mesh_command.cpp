@@ -57,7 +57,8 @@ class MeshCommand : public Command {
             {"burnish mesh IN -o CASE [options]"},
             {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -122,6 +123,7 @@ class MeshCommand : public Command {
 
   std::vector<Option> cell_rows() {
     return {
+        units_row("Cells", job_.options.unit),
         {"--cell", 0, length("L"), "Cells", "Side of the finest cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
          [this](const GivenValue& v) { job_.cell = length_without_cells(v); }},
         {"--cells", 0, count("N"), "Cells", "Choose the side so that there are about N cells, such as 200000, 200k or 2M.", [this](const GivenValue& v) { job_.cells = cell_count(v); }},
@@ -182,7 +184,7 @@ class MeshCommand : public Command {
   // 200000, 200k, 2M: of a thousand, not of 1024.
   static std::uint64_t cell_count(const GivenValue& v) {
     const double factor = v.text.ends_with('k') ? 1e3 : v.text.ends_with('M') ? 1e6 : 1;
-    const GivenValue digits{v.name, factor > 1 ? v.text.substr(0, v.text.size() - 1) : v.text};
+    const GivenValue digits = v.part(factor > 1 ? v.text.substr(0, v.text.size() - 1) : v.text);
     const double cells = std::round(positive_number(digits) * factor);
     if (cells < 100 || cells > 4e9) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number of cells from 100 to 4000M", v.name, v.text));
     return static_cast<std::uint64_t>(cells);
@@ -191,7 +193,7 @@ class MeshCommand : public Command {
   void add_refinement(const GivenValue& v) {
     const std::size_t colon = v.text.rfind(':');
     if (colon == v.text.npos) throw Error(ErrorCode::usage, fmt::format("{} {}: expected BOX:L", v.name, v.text), "for example --refine 0,0,0,10,10,20:0.5");
-    job_.refinements.push_back({box_of({v.name, v.text.substr(0, colon)}), positive_length({v.name, v.text.substr(colon + 1)})});
+    job_.refinements.push_back({box_of(v.part(v.text.substr(0, colon))), positive_length(v.part(v.text.substr(colon + 1)))});
   }
 
   static double flat_angle(const GivenValue& v) {
@@ -214,7 +216,7 @@ class MeshCommand : public Command {
 
   void set_patch_types(const GivenValue& v) {
     for (const auto& [name, type] : named_values(v, "inlet=patch,hub=wall")) {
-      static_cast<void>(place_among({v.name, type, v.words}));
+      static_cast<void>(place_among(v.part(type)));
       job_.patch_types.emplace_back(name, type);
     }
   }

@@ -7,6 +7,7 @@
 
 #include "burnish/core/text.h"
 #include "percent.h"
+#include "summary.h"
 
 namespace burnish {
 namespace {
@@ -83,7 +84,7 @@ std::string cost_line(const FlowMeshResult& r) {
 }  // namespace
 
 std::string summary_of(const FlowMeshResult& r, double seconds) {
-  std::string text = fmt::format("{} ({})\n\n", r.input, r.input_format) + solid_lines(r.solid);
+  std::string text = input_line(r.input, r.input_format, r.unit) + solid_lines(r.solid);
   if (r.meshed) text += mesh_lines(r) + patch_lines(r) + check_lines(r) + cost_line(r);
   return text + fmt::format("\n{} ({:.1f} s)\n", r.written ? fmt::format("{} ({})", r.output, r.output_format) : "nothing was written", seconds);
 }

@@ -4,7 +4,11 @@
 #include <set>
 
 #include "burnish/core/error.h"
+#include "burnish/io/output_file.h"
 #include "command_line.h"
+#include "commands.h"
+#include "config.h"
+#include "streams.h"
 #include "suggest.h"
 
 namespace burnish {
@@ -30,7 +34,19 @@ class Parser {
   Parser(const CommandLine& line, const std::vector<std::string>& arguments)
       : line_(line), arguments_(arguments) {}
 
-  void run() {
+  // False if the options were only to be saved.
+  bool run() {
+    collect();
+    add_configured();
+    set_options();
+    save();
+    if (!save_path_.empty() && operands_.empty()) return false;
+    set_operands();
+    return true;
+  }
+
+ private:
+  void collect() {
     bool options_end = false;
     while (next_ < arguments_.size()) {
       const std::string& word = arguments_[next_++];
@@ -44,21 +60,19 @@ class Parser {
         short_options(word);
       }
     }
-    set_operands();
   }
 
- private:
   void long_option(std::string_view word) {
     const std::size_t equals = word.find('=');
     const std::string_view name = word.substr(0, equals);
     const Option* option = line_.find(name);
     if (option == nullptr) refuse_unknown(name);
     if (equals == std::string_view::npos) {
-      apply(*option, option->value.empty() ? std::string_view{} : value_of(*option, name));
+      add(*option, option->value.empty() ? std::string_view{} : value_of(*option, name));
       return;
     }
     if (option->value.empty()) refuse(fmt::format("{} takes no value", name), fmt::format("write {} alone", name));
-    apply(*option, word.substr(equals + 1));
+    add(*option, word.substr(equals + 1));
   }
 
   void short_options(std::string_view word) {
@@ -68,11 +82,11 @@ class Parser {
       const Option* option = line_.find(word[i]);
       if (option == nullptr) refuse_unknown(word);
       if (option->value.empty()) {
-        apply(*option, {});
+        add(*option, {});
         continue;
       }
       const std::string name{'-', option->letter};
-      apply(*option, i + 1 < word.size() ? word.substr(i + 1) : value_of(*option, name));
+      add(*option, i + 1 < word.size() ? word.substr(i + 1) : value_of(*option, name));
       return;
     }
   }
@@ -84,21 +98,67 @@ class Parser {
            fmt::format("a value that begins with a dash is given as {}={}", option.name, arguments_[next_]));
   }
 
-  void apply(const Option& option, std::string_view value) {
+  void add(const Option& option, std::string_view value) {
     const bool first = seen_.insert(option.name).second;
     if (!first && !option.value.empty() && !option.repeatable) refuse(fmt::format("{} is given twice", option.name), "leave one of the two out");
-    option.set({option.name, value, option.value.words});
+    if (!first && option.value.empty()) std::erase_if(given_, [&](const GivenOption& g) { return g.option == &option; });  // the last one counts
+    given_.push_back({&option, std::string(value), {}});
+  }
+
+  std::string value_given(std::string_view name) const {
+    const auto at = std::find_if(given_.begin(), given_.end(), [&](const GivenOption& g) { return g.option->name == name; });
+    if (at == given_.end()) return {};
+    if (at->value.empty() || at->value == "-") refuse(fmt::format("{} needs a file's name", name), "standard input and output are for the model");
+    return at->value;
+  }
+
+  // What the file says goes first, so that the command line has the last word; of options that both give, it has the only one.
+  void add_configured() {
+    save_path_ = value_given("--save-config");
+    const std::string path = value_given("--config");
+    if (path.empty()) return;
+    std::vector<GivenOption> configured = read_config(path, line_);
+    std::erase_if(configured, [&](const GivenOption& g) { return seen_.contains(g.option->name); });
+    for (const GivenOption& g : configured) seen_.insert(g.option->name);
+    given_.insert(given_.begin(), configured.begin(), configured.end());
+  }
+
+  void set_options() {
+    for (const GivenOption& g : given_)
+      if (g.option->name == "--units") set(g);
+    for (const GivenOption& g : given_)
+      if (g.option->name != "--units") set(g);
+  }
+
+  // Messages about a value tell where it was given.
+  void set(const GivenOption& given) const try {
+    given.option->set({given.option->name, given.value, given.option->value.words, unit()});
+  } catch (const Error& error) {
+    if (given.place.empty()) throw;
+    throw Error(error.code(), fmt::format("{}: {}", given.place, error.what()), error.hint());
+  }
+
+  std::optional<ModelUnit> unit() const { return line_.unit != nullptr ? *line_.unit : std::nullopt; }
+
+  void save() const {
+    if (save_path_.empty()) return;
+    for (const std::string& operand : operands_)
+      if (same_file(operand, save_path_)) refuse(fmt::format("{}: --save-config names the input", save_path_), "give another name");
+    OutputFile file(save_path_, seen_.contains("--overwrite"));
+    write_text(file.fd(), save_path_, config_text(line_, given_));
+    file.commit();
   }
 
   void set_operands() {
-    if (operands_.size() > line_.operands.size()) refuse_surplus_operand();
+    const bool many = !line_.operands.empty() && line_.operands.back().many;
+    if (operands_.size() > line_.operands.size() && !many) refuse_surplus_operand();
     if (operands_.size() < line_.operands.size()) {
       refuse(fmt::format("{} is missing", line_.operands[operands_.size()].value.name),
              fmt::format("the usage is: {}", line_.usage.front()));
     }
     for (std::size_t i = 0; i < operands_.size(); ++i) {
-      const Operand& operand = line_.operands[i];
-      operand.set({operand.value.name, operands_[i], operand.value.words});
+      const Operand& operand = line_.operands[std::min(i, line_.operands.size() - 1)];
+      operand.set({operand.value.name, operands_[i], operand.value.words, unit()});
     }
   }
 
@@ -123,7 +183,9 @@ class Parser {
   const std::vector<std::string>& arguments_;
   std::size_t next_ = 0;
   std::vector<std::string> operands_;
+  std::vector<GivenOption> given_;
   std::set<std::string_view> seen_;
+  std::string save_path_;
 };
 
 }  // namespace
@@ -140,8 +202,6 @@ const Option* CommandLine::find(char letter) const {
   return at == options.end() ? nullptr : &*at;
 }
 
-void parse(const CommandLine& line, const std::vector<std::string>& arguments) {
-  Parser(line, arguments).run();
-}
+bool parse(const CommandLine& line, const std::vector<std::string>& arguments) { return Parser(line, arguments).run(); }
 
 }  // namespace burnish

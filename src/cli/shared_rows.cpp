@@ -26,6 +26,11 @@ Option memory_row(std::string_view group, CleanOptions& o) {
   return {"--memory", 0, bytes("SIZE"), group, "Plan to stay below SIZE bytes, such as 800M or 16G. Default: 4G.", [&o](const GivenValue& v) { o.memory_bytes = byte_count(v); }};
 }
 
+Option units_row(std::string_view group, std::optional<ModelUnit>& unit) {
+  return {"--units", 0, word("U", {"mm", "cm", "m", "in", "um", "ft"}), group, "What the model's coordinates are in: 'mm', 'cm', 'm', 'in', 'um' or 'ft'. Lengths may then have a unit, such as 0.2mm, and summaries have one.",
+          [&unit](const GivenValue& v) { unit = one_of<ModelUnit>(v); }};
+}
+
 Option help_row(std::string_view group) {
   return {"--help", 'h', "", group, "Print this help.", [](const GivenValue&) {}};
 }

@@ -11,6 +11,8 @@ Option gap_row(std::string_view group, CleanOptions& options);
 Option salvage_row(std::string_view group, bool& salvage);
 Option threads_row(std::string_view group, int& threads);
 Option memory_row(std::string_view group, CleanOptions& options);
+// What the model's coordinates are in; parsing sets it before all others, so that lengths can have a unit.
+Option units_row(std::string_view group, std::optional<ModelUnit>& unit);
 Option help_row(std::string_view group);
 
 // `answers`: of a command whose exit code is an answer.

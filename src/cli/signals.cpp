@@ -19,7 +19,19 @@ extern "C" void on_stop_signal(int) {
   _exit(130);
 }
 
+extern "C" void on_request_of_parent(int) {
+  int none = 0;
+  g_requests.compare_exchange_strong(none, 1);
+}
+
 }  // namespace
+
+void obey_stop_requests_of_parent() {
+  struct sigaction action {};
+  action.sa_handler = on_request_of_parent;
+  sigemptyset(&action.sa_mask);
+  sigaction(kStopRequestOfParent, &action, nullptr);
+}
 
 void install_signal_handlers() {
   struct sigaction action {};

@@ -16,7 +16,12 @@ constexpr int kColumnWidth = 14;
 struct Row {
   std::string_view label;
   std::function<std::string(const Defects&)> cell;
+  int power = 0;  // of the unit of length
 };
+
+std::string label_of(const Row& row, const std::optional<ModelUnit>& unit) {
+  return unit && row.power > 0 ? fmt::format("{},{}", row.label, unit_suffix(unit, row.power)) : std::string(row.label);
+}
 
 std::string real(double value) { return fmt::format("{:.6g}", value); }
 
@@ -41,9 +46,9 @@ const std::vector<Row>& rows() {
        [](const Defects& d) {
          return d.self_intersections_counted ? fmt::format("{}", d.self_intersecting_pairs) : "-";
        }},
-      {"volume", [](const Defects& d) { return real(d.volume); }},
-      {"area", [](const Defects& d) { return real(d.area); }},
-      {"mean edge", [](const Defects& d) { return real(d.mean_edge); }},
+      {"volume", [](const Defects& d) { return real(d.volume); }, 3},
+      {"area", [](const Defects& d) { return real(d.area); }, 2},
+      {"mean edge", [](const Defects& d) { return real(d.mean_edge); }, 1},
   };
   return table;
 }
@@ -52,24 +57,24 @@ std::string plural(std::size_t count, std::string_view one, std::string_view man
   return fmt::format("{} {}", count, count == 1 ? one : many);
 }
 
-std::string box_line(const Box3& box) {
+std::string box_line(const Box3& box, const std::optional<ModelUnit>& unit) {
   if (box.empty()) return {};
   const Vec3 e = box.extent();
-  return fmt::format("{:<{}}{:.6g} x {:.6g} x {:.6g}, diagonal {:.6g}\n", "size", kLabelWidth, e.x, e.y, e.z,
-                     box.diagonal());
+  return fmt::format("{:<{}}{:.6g} x {:.6g} x {:.6g}, diagonal {:.6g}{}\n", "size", kLabelWidth, e.x, e.y, e.z,
+                     box.diagonal(), unit_suffix(unit));
 }
 
-std::string deviation_line(std::string_view label, const OneSidedDistance& d, double diagonal) {
+std::string deviation_line(std::string_view label, const OneSidedDistance& d, double diagonal, const std::string& unit) {
   const auto share = [&](double length) { return diagonal > 0 ? 100 * length / diagonal : 0.0; };
-  return fmt::format("{:<{}}rms {:.3g} ({:.2g}%), max {:.3g} ({:.2g}%)\n", label, kLabelWidth, d.rms,
-                     share(d.rms), d.max, share(d.max));
+  return fmt::format("{:<{}}rms {:.3g}{} ({:.2g}%), max {:.3g}{} ({:.2g}%)\n", label, kLabelWidth, d.rms, unit,
+                     share(d.rms), d.max, unit, share(d.max));
 }
 
 std::string defects_table(const RepairReport& report, bool has_after) {
   std::string text = fmt::format("{:<{}}{:>{}}{:>{}}\n", "", kLabelWidth, "before", kColumnWidth,
                                  has_after ? "after" : "", kColumnWidth);
   for (const Row& row : rows()) {
-    text += fmt::format("{:<{}}{:>{}}{:>{}}\n", row.label, kLabelWidth, row.cell(report.before), kColumnWidth,
+    text += fmt::format("{:<{}}{:>{}}{:>{}}\n", label_of(row, report.unit), kLabelWidth, row.cell(report.before), kColumnWidth,
                         has_after ? row.cell(report.after) : "", kColumnWidth);
   }
   return text;
@@ -190,6 +195,10 @@ std::string details_of(const RepairReport& report) {
 
 }  // namespace
 
+std::string input_line(const std::string& input, std::string_view format, const std::optional<ModelUnit>& unit) {
+  return fmt::format("{} ({}{}{})\n\n", input, format, unit ? ", in" : "", unit_suffix(unit));
+}
+
 std::string problems(const Defects& d) {
   std::string text;
   const auto add = [&](std::size_t count, std::string_view one, std::string_view many) {
@@ -212,11 +221,11 @@ std::string problems(const Defects& d) {
 }
 
 std::string check_summary(const CheckResult& result, std::size_t places) {
-  std::string text = fmt::format("{} ({})\n\n", result.input, result.input_format);
+  std::string text = input_line(result.input, result.input_format, result.unit);
   for (const Row& row : rows()) {
-    text += fmt::format("{:<{}}{:>{}}\n", row.label, kLabelWidth, row.cell(result.defects), kColumnWidth);
+    text += fmt::format("{:<{}}{:>{}}\n", label_of(row, result.unit), kLabelWidth, row.cell(result.defects), kColumnWidth);
   }
-  text += box_line(result.defects.box);
+  text += box_line(result.defects.box, result.unit);
   text += where(result.locations, places);
   if (result.valid_solid) return text + "\nvalid solid\n";
   return text + fmt::format("\nnot a valid solid: {}\n", problems(result.defects));
@@ -229,8 +238,8 @@ std::string clean_summary(const RepairReport& report, double wall_seconds, bool 
   text += '\n';
   if (report.deviation.input_to_output.samples + report.deviation.output_to_input.samples > 0) {
     const double diagonal = report.before.box.diagonal();
-    text += deviation_line("input -> output", report.deviation.input_to_output, diagonal);
-    text += deviation_line("output -> input", report.deviation.output_to_input, diagonal);
+    text += deviation_line("input -> output", report.deviation.input_to_output, diagonal, unit_suffix(report.unit));
+    text += deviation_line("output -> input", report.deviation.output_to_input, diagonal, unit_suffix(report.unit));
   }
   text += method_line(report);
   if (details) text += details_of(report) + '\n';

@@ -1,12 +1,18 @@
 // Results as people read them: the tables they paste into forums, at most 80 columns wide.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <string_view>
 
+#include "burnish/core/model_unit.h"
 #include "burnish/pipeline/check.h"
 #include "burnish/pipeline/report.h"
 
 namespace burnish {
+
+// The first line of a summary, and an empty one: "part.stl (binary STL, in mm)".
+std::string input_line(const std::string& input, std::string_view format, const std::optional<ModelUnit>& unit);
 
 // What keeps a soup from being a valid solid, e.g. "12 open edges in 2 loops, 1 duplicate facet".
 // Empty for a valid solid.

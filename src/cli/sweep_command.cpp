@@ -40,7 +40,8 @@ class SweepCommand : public Command {
             {"burnish sweep IN --smooth L,L,... -o OUT-{}.stl [options]"},
             {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
-            kNotes};
+            kNotes,
+            &job_.options.unit};
   }
 
   int run() override {
@@ -89,7 +90,7 @@ class SweepCommand : public Command {
       const std::size_t comma = rest.find(',');
       const std::string_view text = rest.substr(0, comma);
       if (!seen.insert(text).second) throw Error(ErrorCode::usage, fmt::format("{} {}: {} is given twice", given.name, given.text, text));
-      steps_.push_back({positive_length({given.name, text}), std::string(text)});
+      steps_.push_back({positive_length(given.part(text)), std::string(text)});
       if (comma == rest.npos) return;
       rest.remove_prefix(comma + 1);
     }

@@ -20,21 +20,27 @@ constexpr std::string_view kLengthHint =
               std::string(hint));
 }
 
+// A number and the name of a unit.
+bool ends_with_unit(std::string_view text) {
+  const std::size_t letters = text.find_last_not_of("abcdefghijklmnopqrstuvwxyz") + 1;
+  return letters > 0 && parse_length(text.substr(0, letters)) && model_unit(text.substr(letters));
+}
+
 [[noreturn]] void refuse_length(const GivenValue& given) {
   if (given.text.starts_with('-')) refuse(given, "a length must be greater than zero", "for example 0.5 (the model's units) or 0.2% (of the diagonal)");
   if (given.text.find(',') != std::string_view::npos) {
     refuse(given, "not a length", "numbers have a decimal point, not a comma: 0.5");
   }
-  if (given.text.ends_with("mm") || given.text.ends_with("cm")) {
-    refuse(given, "not a length", "leave the unit out: a plain number is in the model's own units");
+  if (!given.unit && ends_with_unit(given.text)) {
+    refuse(given, "not a length", "leave the unit out: a plain number is in the model's own units; or say what these are, such as --units mm");
   }
-  refuse(given, "not a length", kLengthHint);
+  refuse(given, "not a length", given.unit ? fmt::format("{}, or with a unit: 0.5{}", kLengthHint, name(*given.unit)) : std::string(kLengthHint));
 }
 
 }  // namespace
 
 Length positive_length(const GivenValue& given) {
-  const auto length = parse_length(given.text);
+  const auto length = parse_length(given.text, given.unit);
   if (!length) refuse_length(given);
   if (!(length->value > 0)) refuse(given, "a length must be greater than zero", "for example 0.5 (the model's units) or 0.2% (of the diagonal)");
   return *length;
@@ -51,7 +57,7 @@ Length length_without_cells(const GivenValue& given) {
 
 VolumeLimit volume_limit(const GivenValue& given) {
   const bool percent = given.text.ends_with('%');
-  const GivenValue digits{given.name, percent ? given.text.substr(0, given.text.size() - 1) : given.text};
+  const GivenValue digits = given.part(percent ? given.text.substr(0, given.text.size() - 1) : given.text);
   return {non_negative_number(digits), percent};
 }
 
@@ -118,7 +124,7 @@ std::vector<std::string_view> parts_of(std::string_view list) {
 
 Box3 box_of(const GivenValue& given) {
   std::vector<double> numbers;
-  for (const std::string_view part : parts_of(given.text)) numbers.push_back(finite_number({given.name, part}));
+  for (const std::string_view part : parts_of(given.text)) numbers.push_back(finite_number(given.part(part)));
   const auto refuse_box = [&](std::string_view expected) { refuse(given, fmt::format("expected {}", expected), "for example 0,0,0,10,10,20"); };
   if (numbers.size() != 6) refuse_box("six numbers, xmin,ymin,zmin,xmax,ymax,zmax");
   Box3 result;

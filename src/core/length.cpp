@@ -17,12 +17,13 @@ std::optional<double> take_number(std::string_view& text) {
 
 }  // namespace
 
-std::optional<Length> parse_length(std::string_view text) {
+std::optional<Length> parse_length(std::string_view text, const std::optional<ModelUnit>& unit) {
   const auto value = take_number(text);
   if (!value) return std::nullopt;
   if (text.empty()) return Length{*value, LengthUnit::model};
   if (text == "%") return Length{*value, LengthUnit::percent_of_diagonal};
   if (text == "h") return Length{*value, LengthUnit::cells};
+  if (const auto given = model_unit(text); unit && given) return Length{converted(*value, *given, *unit), LengthUnit::model};
   return std::nullopt;
 }
 

@@ -105,8 +105,11 @@ class CellOctreeRun : StagedRun {
  private:
   void read() {
     RepairReport report;
-    soup_ = read_input(job_.input, job_.salvage, {}, report);
+    CleanOptions as_it_is;
+    as_it_is.unit = job_.unit;
+    soup_ = read_input(job_.input, job_.salvage, as_it_is, report);
     result_.input_format = report.input_format;
+    result_.unit = report.unit;
     result_.warnings = std::move(report.warnings);
     result_.facets = soup_.facets.size();
   }

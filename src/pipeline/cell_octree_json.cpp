@@ -37,6 +37,7 @@ std::string to_json(const CellOctreeResult& r) {
       {"version", kReportVersion},
       {"generator", generator()},
       {"input", {{"file", r.input}, {"format", r.input_format}}},
+      {"units", json_of(r.unit)},
       {"output", std::move(output)},
       {"warnings", Json(r.warnings)},
       {"options",

@@ -34,6 +34,7 @@ TriangleSoup read_welded(const CheckJob& job, CheckResult& result, Progress& pro
   MeshFile file = read_mesh(job.input, {.salvage = job.salvage});
   result.input_format = name(file.format);
   result.warnings = std::move(file.warnings);
+  result.unit = unit_of(job.unit, file.unit, result.warnings);
   progress.check();
   progress.begin_stage("welding");
   return weld(std::move(file.soup));

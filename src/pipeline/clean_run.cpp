@@ -76,7 +76,7 @@ bool CleanRun::begin_with(std::unique_ptr<CleanedOutput> output) {
 void CleanRun::read() {
   if (!is_volume(job_.input, job_.options.volume)) return SolidRun::read(job_.salvage, job_.options);
   begin("reading");
-  volume_ = std::make_shared<const VolumeInput>(job_.input, job_.options.volume, job_.options.memory_bytes, report_, progress_);
+  volume_ = std::make_shared<const VolumeInput>(job_.input, job_.options.volume, job_.options.share_of_memory(), report_, progress_);
   if (volume_->is_binary() && !(job_.options.smooth.value > 0))
     report_.warnings.push_back("the volume has two values only, so its surface is a staircase: --smooth 4h takes the steps off");
   begin("finding the surface");

@@ -38,10 +38,19 @@ class DeviationOutput {
   OutputFile file_;
 };
 
+// Files in different units are compared as they are, with a warning.
+std::optional<ModelUnit> unit_of(const CompareJob& job, ComparedSide& a, ComparedSide& b) {
+  if (a.unit && b.unit && *a.unit != *b.unit)
+    b.file.warnings.push_back(fmt::format("its unit is {}, that of A is {}: coordinates are compared as they are", name(*b.unit), name(*a.unit)));
+  static_cast<void>(unit_of(job.unit, b.unit, b.file.warnings));
+  return unit_of(job.unit, a.unit, a.file.warnings);
+}
+
 // Both ways.
 CompareResult measure(const CompareJob& job, ComparedSide& a, ComparedSide& b, Progress& progress) {
   CompareResult result;
   result.exact = job.exact;
+  result.unit = unit_of(job, a, b);
   result.diagonal = a.file.measures.box.diagonal();
   if (job.max) result.limit = job.max->in_model_units(result.diagonal, 0);
   progress.begin_stage("indexing");

@@ -134,6 +134,7 @@ std::string to_json(const CompareResult& r) {
   return text_of({
       {"version", kReportVersion},
       {"generator", generator()},
+      {"units", json_of(r.unit)},
       {"a", json_of(r.a)},
       {"b", json_of(r.b)},
       {"difference", differences(r.a, r.b)},

@@ -49,6 +49,7 @@ class ComparedSide {
     file.file = path;
     file.format = name(mesh.format);
     file.warnings = std::move(mesh.warnings);
+    unit = mesh.unit;
     progress.check();
     take(std::move(mesh.soup), progress);
   }
@@ -78,6 +79,7 @@ class ComparedSide {
   }
 
   ComparedFile file;
+  std::optional<ModelUnit> unit;  // as the file says
   TriangleSoup soup;
   SideRule rule = SideRule::winding_number;
   std::unique_ptr<TriangleIndex> index;

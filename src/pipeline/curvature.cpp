@@ -302,6 +302,7 @@ class CurvatureRun : SolidRun {
   CurvatureResult finish() {
     clock_.end();
     result_.input_format = report_.input_format;
+    result_.unit = report_.unit;
     result_.warnings = std::move(report_.warnings);
     result_.options = report_.options;
     result_.before = report_.before;

@@ -84,6 +84,7 @@ std::string to_json(const CurvatureResult& r) {
       {"version", kReportVersion},
       {"generator", generator()},
       {"input", {{"file", r.input}, {"format", r.input_format}}},
+      {"units", json_of(r.unit)},
       {"output", output_of(r.output)},
       {"failure", failure_of(r.failure)},
       {"warnings", Json(r.warnings)},

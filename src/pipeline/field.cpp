@@ -252,6 +252,7 @@ class FieldRun : SolidRun {
     result_.output = output_.told();
     result_.output.cells = job_.cells;
     result_.input_format = report_.input_format;
+    result_.unit = report_.unit;
     result_.warnings = std::move(report_.warnings);
     result_.options = report_.options;
     if (plan_.denoises()) result_.options.smooth = plan_.length;

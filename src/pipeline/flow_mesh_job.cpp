@@ -102,6 +102,7 @@ class FlowMeshRun {
     RepairReport& report = repaired.report;
     surface_ = std::move(repaired.surface);
     result_.input_format = report.input_format;
+    result_.unit = report.unit;
     result_.warnings.insert(result_.warnings.end(), report.warnings.begin(), report.warnings.end());
     result_.failure = std::move(report.failure);
     result_.stages.insert(result_.stages.end(), report.stages.begin(), report.stages.end());

@@ -117,6 +117,7 @@ std::string to_json(const FlowMeshResult& r) {
       {"version", kReportVersion},
       {"generator", generator()},
       {"input", {{"file", r.input}, {"format", r.input_format}}},
+      {"units", json_of(r.unit)},
       {"output", std::move(output)},
       {"failure", failure_of(r.failure)},
       {"warnings", Json(r.warnings)},

@@ -35,6 +35,9 @@ inline Json json_of(const Error& error) {
   return {{"code", name(error.code())}, {"exit_code", exit_code(error.code())}, {"message", error.what()}, {"hint", error.hint()}};
 }
 
+// "mm", or null.
+inline Json json_of(const std::optional<ModelUnit>& unit) { return unit ? Json(std::string(name(*unit))) : Json(); }
+
 // Why there is no result, or null.
 inline Json failure_of(const std::optional<Error>& failure) { return failure ? json_of(*failure) : Json(); }
 

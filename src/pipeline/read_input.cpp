@@ -55,14 +55,23 @@ void require_measurable(const std::string& path, double diagonal) {
               "areas and volumes of such a model are beyond double precision: scale it");
 }
 
+std::optional<ModelUnit> unit_of(const std::optional<ModelUnit>& told, const std::optional<ModelUnit>& of_file, std::vector<std::string>& warnings) {
+  if (told && of_file && *told != *of_file)
+    warnings.push_back(fmt::format("the file says that its unit is {}, --units says {}: the latter was believed, and no coordinate is changed", name(*of_file), name(*told)));
+  return told ? told : of_file;
+}
+
 TriangleSoup read_input(const std::string& path, bool salvage, const CleanOptions& options, RepairReport& report) {
   MeshFile file = read_mesh(path, {.salvage = salvage});
   report.input_format = name(file.format);
   report.warnings = std::move(file.warnings);
-  return placed_input(weld(std::move(file.soup)), path, options, report);
+  TriangleSoup input = placed_input(weld(std::move(file.soup)), path, options, report);
+  report.unit = unit_of(options.unit, file.unit, report.warnings);
+  return input;
 }
 
 TriangleSoup placed_input(TriangleSoup input, const std::string& path, const CleanOptions& options, RepairReport& report) {
+  report.unit = options.unit;
   report.groups = summaries_of_groups(input);
   const double diagonal = bounding_box(input).diagonal();
   require_measurable(path, diagonal);

@@ -1,7 +1,9 @@
 // How every run begins: the input is read, then prepared, or found to bound no solid.
 #pragma once
 
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "burnish/pipeline/options.h"
 #include "burnish/pipeline/report.h"
@@ -16,6 +18,9 @@ inline constexpr const char* kInMemory = "memory";
 
 // Throws Error{unreadable_input} for a model whose area or volume is beyond double precision.
 void require_measurable(const std::string& path, double diagonal);
+
+// The model's unit: what was told, or else what the file says of itself. Warns where they differ.
+std::optional<ModelUnit> unit_of(const std::optional<ModelUnit>& told, const std::optional<ModelUnit>& of_file, std::vector<std::string>& warnings);
 
 // Reads and welds the file at `path` (or standard input, "-"), moves it to the origin if asked for, and resolves the lengths.
 // Tells report.input_format, .warnings, .groups, .recentred_by and .options. Throws Error as `read_mesh` does, and

@@ -197,18 +197,20 @@ void resolve_cell(const CleanOptions& asked, const CappedSoup& capped, ResolvedO
   if (resolved.cell_was_chosen) {
     double wanted = asked.default_cell ? given_default(asked, diagonal) : default_cell(capped, diagonal, asked.smooth, resolved.thicken);
     if (wall) wanted = std::max(std::min(wanted, *wall / kCellsAcrossShell), std::sqrt(2 * area(prepared) / kMostCellsForWalls));
-    resolved.cell = fitted_cell(asked.memory_bytes, prepared, wanted, band);
+    resolved.cell = fitted_cell(asked.share_of_memory(), prepared, wanted, band);
+    if (resolved.cell > wanted && asked.memory_shares > 1)
+      throw Error(ErrorCode::memory_limit, fmt::format("the default cell of {:.4g} does not fit into a share of 1/{} of the memory", wanted, asked.memory_shares), "run it alone");
     if (resolved.cell > wanted)
       warnings.push_back(fmt::format("the default cell of {:.4g} was coarsened to {:.4g} to stay within the memory budget", wanted, resolved.cell));
   } else {
     resolved.cell = asked_cell(asked, box);
     const std::uint64_t needed = planned_bytes(prepared, resolved.cell, band(resolved.cell));
-    if (needed > asked.memory_bytes)
+    if (needed > asked.share_of_memory())
       throw Error(ErrorCode::memory_limit,
                   fmt::format("a cell of {:.4g} ({:.0f} along the longest side) needs about {:.1f} GB; the budget is {:.1f} GB", resolved.cell,
                               box.longest_side() / resolved.cell, static_cast<double>(needed) * 0x1p-30,
-                              static_cast<double>(asked.memory_bytes) * 0x1p-30),
-                  fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked.memory_bytes, prepared, resolved.cell, band)));
+                              static_cast<double>(asked.share_of_memory()) * 0x1p-30),
+                  fmt::format("choose a larger --cell (from about {:.4g}), or raise --memory", fitted_cell(asked.share_of_memory(), prepared, resolved.cell, band)));
   }
   if (wall && *wall < kCellsPerWall * resolved.cell)
     throw Error(ErrorCode::guarantee_unmet,

@@ -45,7 +45,7 @@ USAGE = [
     usage("check cube.stl -o x.stl", r"unknown option '-o'\n  hint: 'burnish check --help'"),
     usage("check cube.stl --json=yes", r"--json takes no value"),
     usage("check", r"FILE is missing\n  hint: .*burnish check FILE"),
-    usage("check cube.stl hole.stl", r"unexpected argument 'hole\.stl'"),
+    usage("compare cube.stl hole.stl other.stl", r"unexpected argument 'other\.stl'"),
     usage("chekc cube.stl", r"unknown command 'chekc'\n  hint: did you mean 'check'\?"),
     usage("exmaple sphere", r"unknown command 'exmaple'\n  hint: did you mean 'example'\?"),
     usage("-q check cube.stl", r"the command 'check' has to come first"),

@@ -13,8 +13,10 @@ import traceback
 from pathlib import Path
 
 sys.dont_write_bytecode = True  # the source tree stays as it is
+import batch_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import cases
 import completion_scenarios  # noqa: F401  (adds to the groups of scenarios)
+import config_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import error_cases
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)

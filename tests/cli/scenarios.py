@@ -581,7 +581,7 @@ def every_field_of_the_schemas_is_described(_):
         closed = schema.get("additionalProperties") is False
         is_object = "object" in (schema.get("type") or ())
         expect(not is_object or closed, f"{path} is open")
-    for name in ("cell_octree.schema.json", "check.schema.json", "compare.schema.json", "curvature.schema.json", "field.schema.json", "ic.schema.json", "mesh.schema.json", "report.schema.json"):
+    for name in ("batch.schema.json", "cell_octree.schema.json", "check.schema.json", "compare.schema.json", "curvature.schema.json", "field.schema.json", "ic.schema.json", "mesh.schema.json", "report.schema.json"):
         schema = validator(name).schema
         walk(schema, name)
         for key, part in schema["$defs"].items():

@@ -1,4 +1,4 @@
-// Lengths as users write them: `0.5`, `0.2%`, `2h`.
+// Lengths as users write them: `0.5`, `0.2%`, `2h`, and `0.2mm` where the model's unit is known.
 //
 // Relative lengths are resolved once, where a run starts; everything behind that point is in the
 // units of the model.
@@ -6,6 +6,8 @@
 
 #include <optional>
 #include <string_view>
+
+#include "burnish/core/model_unit.h"
 
 namespace burnish {
 
@@ -32,8 +34,9 @@ struct Length {
 };
 
 // Reads a finite, non-negative number followed by nothing, `%` or `h`. Locale-independent.
+// With the model's `unit`, a unit's name may follow as well, and the length is converted to that of the model.
 // Empty when `text` is anything else.
-std::optional<Length> parse_length(std::string_view text);
+std::optional<Length> parse_length(std::string_view text, const std::optional<ModelUnit>& unit = std::nullopt);
 
 // Reads a number of bytes: digits with an optional decimal point and an optional suffix k, M, G or T
 // (powers of 1024, upper or lower case, optionally followed by B or iB). Empty when malformed or zero.

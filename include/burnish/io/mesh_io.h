@@ -38,11 +38,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
+#include "burnish/core/model_unit.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -62,6 +64,8 @@ struct MeshFile {
   MeshFormat format = MeshFormat::stl_binary;
   // Binary STL: the text of its 80 bytes, up to the first NUL or COLOR=, without blanks at its end. Otherwise empty.
   std::string header;
+  // What coordinates are in, if the format has a place for it. None of those above has.
+  std::optional<ModelUnit> unit;
   // What was tolerated or dropped, one sentence each, without the file's name.
   std::vector<std::string> warnings;
 };

@@ -25,6 +25,7 @@ struct CellOctreeJob {
   RefinementLimits limits;         // `coarsest_level` follows from `cell_max`; max_face_limit 3 and refine_tol 2 where no criterion is set
   // What it may grow to: ended when 3000 bytes for each octant that is divided, and the lists, are more.
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  std::optional<ModelUnit> unit;   // of the model; goes before what the file says of itself
   bool salvage = false;            // take what a broken input file holds
   bool overwrite = false;          // an existing output may be replaced
 };
@@ -32,6 +33,7 @@ struct CellOctreeJob {
 struct CellOctreeResult {
   std::string input;
   std::string input_format;
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
   std::vector<std::string> warnings;
   std::uint64_t facets = 0;
   double cell = 0;      // side of the finest cells, in model units

@@ -1,9 +1,11 @@
 // Inspecting a file without changing it: what is wrong with it, and where.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "burnish/core/model_unit.h"
 #include "burnish/core/progress.h"
 #include "burnish/surface/defect_map.h"
 #include "burnish/surface/inspect.h"
@@ -15,11 +17,13 @@ struct CheckJob {
   bool salvage = false;        // take what a broken input file holds
   std::string defects_output;  // where to write the defects to be looked at (.vtp or .ply); empty: nowhere
   bool overwrite = false;      // an existing `defects_output` may be replaced
+  std::optional<ModelUnit> unit;  // of the model; goes before what the file says of itself
 };
 
 struct CheckResult {
   std::string input;
   std::string input_format;
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
   Defects defects;                       // after welding by exact coordinates
   std::vector<LocatedDefect> locations;  // as DefectMap::defects: by kind, the largest first
   std::vector<std::string> warnings;     // of the reader

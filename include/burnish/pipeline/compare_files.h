@@ -27,6 +27,7 @@ struct TruthJob {
 
 struct CompareJob {
   std::string a, b;              // paths; one of them may be "-" for standard input
+  std::optional<ModelUnit> unit;  // of both; goes before what the files say of themselves
   bool salvage = false;          // take what a broken input file holds
   bool exact = false;            // distances by rational arithmetic (surface/exact_distance.h)
   std::size_t samples = 200'000; // of each surface: by area, and as many of the vertices at most
@@ -73,6 +74,7 @@ struct TruthComparison {
 };
 
 struct CompareResult {
+  std::optional<ModelUnit> unit;   // as the job says, or else as A does; empty: neither does
   ComparedFile a, b;
   bool exact = false;
   double diagonal = 0;  // of A's bounding box: what percentages refer to

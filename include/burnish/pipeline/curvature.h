@@ -90,6 +90,7 @@ struct CurvatureFile {
 struct CurvatureResult {
   std::string input;
   std::string input_format;
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
   std::vector<std::string> warnings;
   ResolvedOptions options;
   CurvatureOrder order = CurvatureOrder::fourth;

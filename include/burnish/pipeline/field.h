@@ -129,6 +129,7 @@ struct FieldFile {
 struct FieldResult {
   std::string input;
   std::string input_format;
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
   std::vector<std::string> warnings;
   ResolvedOptions options;
   double band = 0;                    // cells

@@ -123,6 +123,7 @@ struct MeshCost {
 // In model units.
 struct FlowMeshResult {
   std::string input, input_format;
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
   std::string output, output_format;      // empty: nothing was to be written
   bool written = false;
   std::vector<std::string> warnings;

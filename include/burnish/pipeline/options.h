@@ -70,6 +70,8 @@ struct VolumeOptions {
 
 // As asked. Lengths may be relative; they become model units once (pipeline/resolve_options.h).
 struct CleanOptions {
+  // What the model's coordinates are in. Nothing depends on it but what reports say; it goes before what a file says of itself.
+  std::optional<ModelUnit> unit;
   VolumeOptions volume;
   Method method = Method::automatic;
   Nesting nesting = Nesting::automatic;
@@ -136,6 +138,11 @@ struct CleanOptions {
   // The run plans to stay below this many bytes: a default cell is coarsened for it, an explicit one
   // that needs more ends the run with Error{memory_limit}.
   std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+  // Several runs at once share that budget. Where a share does not suffice, the run ends with Error{memory_limit}, a default cell or not, so that it can
+  // be repeated alone: no result depends on the number of shares.
+  std::uint32_t memory_shares = 1;
+
+  std::uint64_t share_of_memory() const { return memory_bytes / memory_shares; }
 
   bool keeps_openings() const { return keep_openings || max_hole; }
   bool smooths() const { return smooth_auto || smooth.value > 0; }

@@ -167,6 +167,7 @@ struct RepairReport {
   std::string input_format;
   std::string output;
   std::string output_format;
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
   ResolvedOptions options;
   std::optional<VolumeSummary> volume;  // of which the input is an iso-surface
   std::vector<GroupSummary> groups;  // of the input, as read

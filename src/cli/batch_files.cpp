@@ -1,0 +1,105 @@
+#include "batch_files.h"
+
+#include <fmt/format.h>
+
+#include <map>
+#include <system_error>
+
+#include "burnish/core/error.h"
+
+namespace burnish {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::string_view kHole = "{}";
+
+std::string normal(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
+
+[[noreturn]] void refuse(const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); }
+
+void require_place(const PlacedOption& option) {
+  const std::string& given = *option.path;
+  if (is_place(given)) return;
+  const std::string suffix(option.suffix.empty() ? fs::path(given).extension().string() : std::string(option.suffix));
+  refuse(fmt::format("{} {}: one file for several inputs", option.option, given),
+         fmt::format("name a folder with a slash behind it, such as {0} out/, or a pattern: {0} 'out/{{}}{1}'", option.option, suffix));
+}
+
+// Which files there are, and what stands behind each: "the input a.stl", "-o for a.stl".
+class Claims {
+ public:
+  void claim_input(const std::string& input) { claims_.emplace(normal(input), Claim{input, {}}); }
+
+  void claim(const std::string& file, const PlacedOption& option, const std::string& input) {
+    const auto [at, is_new] = claims_.emplace(normal(file), Claim{input, option.option});
+    if (is_new) return;
+    const Claim& other = at->second;
+    if (other.option.empty()) refuse(fmt::format("{}: {} names an input", file, option.option), "write to another folder, or give a pattern such as 'out/{}-clean.stl'");
+    refuse(other.option == option.option ? fmt::format("{}: {} would write {} and {} to the same file", file, option.option, other.input, input)
+                                         : fmt::format("{}: {} and {} name the same file", file, other.option, option.option),
+           other.option == option.option ? "do it in two runs with two folders, or rename one of the inputs" : "give one of them another folder");
+  }
+
+ private:
+  struct Claim {
+    std::string input;
+    std::string_view option;  // empty: it is an input
+  };
+  std::map<std::string, Claim> claims_;
+};
+
+}  // namespace
+
+bool is_place(const std::string& given) {
+  std::error_code ignored;
+  return given.ends_with('/') || given.find(kHole) != given.npos || fs::is_directory(given, ignored);
+}
+
+std::string file_for(const std::string& given, const std::string& input, std::string_view suffix) {
+  if (given.empty() || !is_place(given)) return given;
+  if (input == "-") refuse(fmt::format("{}: standard input has no name that a file could get", given), "name the file, such as -o out.stl");
+  const fs::path name = fs::path(input).filename();
+  if (const std::size_t hole = given.find(kHole); hole != given.npos) return std::string(given).replace(hole, kHole.size(), name.stem().string());
+  return (fs::path(given) / (suffix.empty() ? name.string() : name.stem().string() + std::string(suffix))).string();
+}
+
+std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options) {
+  Claims claims;
+  for (const std::string& input : inputs) claims.claim_input(input);
+  std::vector<std::vector<std::string>> files;
+  for (const PlacedOption& option : options) {
+    std::vector<std::string>& own = files.emplace_back();
+    if (option.path->empty()) continue;
+    require_place(option);
+    for (const std::string& input : inputs) {
+      own.push_back(file_for(*option.path, input, option.suffix));
+      claims.claim(own.back(), option, input);
+    }
+  }
+  return files;
+}
+
+void place_files_of(const std::string& input, const std::vector<PlacedOption>& options) {
+  for (const PlacedOption& option : options) *option.path = file_for(*option.path, input, option.suffix);
+}
+
+MadeFolders::~MadeFolders() {
+  std::error_code ignored;
+  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
+}
+
+void MadeFolders::make_for(const std::string& file) {
+  if (!file.empty()) make(fs::absolute(file).lexically_normal().parent_path());
+}
+
+// Outermost first.
+void MadeFolders::make(const fs::path& folder) {
+  std::error_code error;
+  if (fs::is_directory(folder, error) || folder.parent_path() == folder) return;
+  make(folder.parent_path());
+  if (fs::create_directory(folder, error)) made_.push_back(folder);
+  if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()), "name another folder");
+}
+
+}  // namespace burnish

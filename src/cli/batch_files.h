@@ -1,0 +1,54 @@
+// Where each of several inputs' files go: one rule for all options that name a file.
+//
+//   what is given         for the input parts/a.stl
+//   out/, or a folder     out/a.stl (or the suffix that the option's files have)
+//   out/{}-clean.ply      out/a-clean.ply
+//   out.stl               out.stl: for one input only
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace burnish {
+
+// Whether the name stands for a file per input: it ends with a slash, is a folder that exists, or has {} in it.
+bool is_place(const std::string& given);
+
+// The file for `input`. `suffix` is that of files in a folder, such as ".json"; empty: the input's name as it is.
+// Throws Error{usage} for standard input, which has no name. What is no place is returned as it is.
+std::string file_for(const std::string& given, const std::string& input, std::string_view suffix);
+
+// An option that names a file per input.
+struct PlacedOption {
+  std::string_view option;  // "--report"
+  std::string* path;        // what it was given; empty: it was not. To be replaced by an input's own file
+  std::string_view suffix;  // as in file_for
+};
+
+// The files of all inputs: [option][input], nothing for an option that was not given.
+// Throws Error{usage}, before anything is done: an option names one file for several inputs; two files have one name; a file would replace an input.
+std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options);
+
+// For one input: each option gets its file.
+void place_files_of(const std::string& input, const std::vector<PlacedOption>& options);
+
+// Folders made for files; those that stay empty are removed in the end.
+class MadeFolders {
+ public:
+  MadeFolders() = default;
+  ~MadeFolders();
+  MadeFolders(const MadeFolders&) = delete;
+  MadeFolders& operator=(const MadeFolders&) = delete;
+
+  // The folder that `file` is to be in. Throws Error{unwritable_output}.
+  void make_for(const std::string& file);
+
+ private:
+  void make(const std::filesystem::path& folder);
+
+  std::vector<std::filesystem::path> made_;
+};
+
+}  // namespace burnish
