@@ -38,7 +38,7 @@ class CheckCommand : public Command {
             "Says what is wrong with a triangle file and where, and whether it is a valid\n"
             "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
             {"burnish check FILE... [options]"},
-            {{"FILE", "STL, OBJ, PLY or OFF file, or several; '-' is standard input.", [this](const GivenValue& v) { inputs_.emplace_back(v.text); }, true}},
+            {{"FILE", "STL, OBJ, PLY or OFF file, or several; '-' is standard input.", add_input(inputs_), true}},
             option_table(),
             kNotes,
             &job_.unit};
