@@ -111,6 +111,10 @@ int Jobs::of(std::size_t runs) const {
   return std::max(1, std::min(wanted, static_cast<int>(std::min<std::size_t>(runs, 4096))));
 }
 
+Setter add_input(std::vector<std::string>& inputs) {
+  return [&inputs](const GivenValue& v) { store_text(inputs.emplace_back())(v); };
+}
+
 Option jobs_row(std::string_view group, Jobs& jobs) {
   return {"--jobs", 0, number("N", {"auto"}), group, "Of several inputs, N at once (0 or 'auto': one for each processor), each with its part of --threads and --memory. No result depends on it.",
           [&jobs](const GivenValue& v) { jobs.count = is_listed(v) ? 0 : static_cast<int>(integer_within(v, 0, 4096)); }};

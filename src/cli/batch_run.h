@@ -20,6 +20,8 @@ struct Jobs {
   int of(std::size_t runs) const;
 };
 
+// Adds an input that is not empty.
+Setter add_input(std::vector<std::string>& inputs);
 Option jobs_row(std::string_view group, Jobs& jobs);
 
 struct BatchPlan {

@@ -39,7 +39,7 @@ class CheckCommand : public Command {
             "Says what is wrong with a triangle file and where, and whether it is a valid\n"
             "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
             {"burnish check FILE... [options]"},
-            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY or OFF file, or several; '-' is standard input.", [this](const GivenValue& v) { inputs_.emplace_back(v.text); }, true}},
+            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY or OFF file, or several; '-' is standard input.", add_input(inputs_), true}},
             option_table(),
             kNotes,
             &job_.unit};

@@ -50,7 +50,7 @@ class CleanCommand : public Command {
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
             {"burnish IN -o OUT [options]", "burnish IN IN... -o FOLDER/ [options]"},
-            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd), or several of them; '-' is standard input.", [this](const GivenValue& v) { inputs_.emplace_back(v.text); }, true}},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd), or several of them; '-' is standard input.", add_input(inputs_), true}},
             option_table(),
             kNotes,
             &job_.options.unit};

@@ -30,6 +30,7 @@
 namespace burnish {
 namespace {
 
+constexpr double kSecondsToStop = 5;
 constexpr int kPollMilliseconds = 100;  // a signal may come just before the wait for it begins
 
 [[noreturn]] void refuse(std::string_view what) {
@@ -197,10 +198,12 @@ class Crew {
     if (stopped_by_run_) stop();
   }
 
-  // Lets the runs end in order.
+  // Lets the runs end in order; those that do not, for they wait for the system, at once: a second request has them remove their temporaries.
   void stop() {
     for (const auto& [run, worker] : running_) ::kill(worker.pid, kStopRequestOfParent);
-    while (!running_.empty()) wait();
+    for (const double end = monotonic_seconds() + kSecondsToStop; !running_.empty(); wait())
+      if (monotonic_seconds() > end)
+        for (const auto& [run, worker] : running_) ::kill(worker.pid, SIGTERM);
     throw Error(ErrorCode::interrupted, fmt::format("interrupted after {} of {} files", next_, plan_.count));
   }
 

@@ -14,7 +14,7 @@ SAMPLES = {"FILE": "a # b.stl", "OUT": 'say "x".vtp', "DIR": "d\\e", "PATH": "ca
            "L,L,...": "0.1,0.2%", "BOX": "0,0,0,1,1,2", "BOX:L": "0,0,0,1,1,2:0.5", "NAME=T,...": "in=patch", "NAME=V,...": "in=1", "LIST": "phi,level", "P": "one", "F": "polyhedral", "M": "volume", "W": "near"}
 SPECIAL = {"--method": "", "--mode": "volume", "--nested": "cavity", "--surface": "delaunay", "--redistance": "fmm", "--octree": "cells", "--accepted": "band", "--at": "vertices",
            "--order": "2", "--flavour": "polyhedral", "--msh-version": "2.2", "--iso": "300", "--layers": "3", "--domain": "20", "--time": "1", "--flat-levels": "2", "--coarsest": "2",
-           "--ratio": "1.5", "--check": "10", "--resolution": "24", "--jobs": "auto", "--cells": "200k", "--noise": "0.3"}
+           "--ratio": "1.5", "--check": "10", "--resolution": "24", "--jobs": "auto", "--cells": "200k", "--noise": "0.3", "--narrow-band": "3h"}
 METHODS = {"clean": "local", "sweep": "levelset", "curvature": "nodal", "mesh": "local", "ic": "exact"}
 
 
