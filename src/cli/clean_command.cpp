@@ -17,6 +17,7 @@
 #include "report_file.h"
 #include "shared_rows.h"
 #include "streams.h"
+#include "suffixes.h"
 #include "summary.h"
 #include "values.h"
 
@@ -45,7 +46,7 @@ class CleanCommand : public Command {
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
             {"burnish IN -o OUT [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -76,13 +77,13 @@ class CleanCommand : public Command {
  private:
   std::vector<Option> option_table() {
     std::vector<Option> table = {
-        {"--output", 'o', "FILE", "Output",
+        {"--output", 'o', file("FILE", kSurfaceOutputs), "Output",
          "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
-        {"--snapshots", 0, "DIR", "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",
+        {"--snapshots", 0, folder("DIR"), "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",
          store_text(snapshots_)},
-        {"--report", 0, "FILE", "Output", "Write a report of what was found and done, as JSON.",
+        {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON.",
          store_text(report_path_)},
         {"--html", 0, "FILE", "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures.",
          store_text(html_path_)},
@@ -93,12 +94,12 @@ class CleanCommand : public Command {
          "Write the result even if it could not be verified. The exit code is still 5.",
          switch_on(job_.allow_invalid)},
         threads_row("Resources", threads_),
-        {"--time-limit", 0, "S", "Resources", "End the run after S seconds, with exit code 7 and nothing written.",
+        {"--time-limit", 0, number("S"), "Resources", "End the run after S seconds, with exit code 7 and nothing written.",
          [this](const GivenValue& v) { time_limit_ = positive_number(v); }},
         quiet_row("Messages", quiet_),
         {"--verbose", 'v', "", "Messages", "Print details and what each stage cost.", switch_on(verbose_)},
         help_row("Messages"),
-        {"--version", 0, "", "Messages", "Print the version.", [](const GivenValue&) {}},
+        {"--version", 0, "", "Messages", "Print the version, and what it was built from and with; as JSON with --json.", [](const GivenValue&) {}},
     };
     return with_clean_options(std::move(table), job_.options);
   }

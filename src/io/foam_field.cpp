@@ -92,9 +92,9 @@ FoamField read_foam_field(const std::string& path) {
   if (header.class_name != "volScalarField") source.fail(fmt::format("expected the class volScalarField, found {}", quoted(header.class_name)), "volume fractions are a scalar field of the cells: name another --field");
   const std::vector<FoamEntry> entries = foam_entries(source, view(header.end, source.end()), header.format);
   const FoamEntry* internal = find_entry(entries, "internalField");
-  if (!internal || internal->is_dictionary || internal->value.empty()) source.fail("it has no internalField", "");
+  if (!internal || internal->is_dictionary || internal->value.empty()) source.fail("it has no internalField", "take the field from a case that runs, or from its folder 0.orig");
   const FoamEntry* boundary = find_entry(entries, "boundaryField");
-  if (!boundary || !boundary->is_dictionary) source.fail("it has no boundaryField", "");
+  if (!boundary || !boundary->is_dictionary) source.fail("it has no boundaryField", "take the field from a case that runs, or from its folder 0.orig");
   FoamField field;
   field.format = header.format;
   field.before = view(source.begin(), internal->name.data() + internal->name.size());

@@ -13,8 +13,8 @@
 namespace burnish {
 namespace {
 
-[[noreturn]] void fail(const std::string& label, const std::string& what) {
-  throw Error(ErrorCode::unreadable_input, label + ": cannot be read: " + what);
+[[noreturn]] void fail(const std::string& label, const std::string& what, const std::string& hint = {}) {
+  throw Error(ErrorCode::unreadable_input, label + ": cannot be read: " + what, hint);
 }
 
 class Descriptor {
@@ -42,7 +42,7 @@ MappedFile::MappedFile(const std::string& path) {
   const Descriptor file(path);
   struct stat status {};
   if (file.get() < 0 || ::fstat(file.get(), &status) != 0) fail(label, std::strerror(errno));
-  if (S_ISDIR(status.st_mode)) fail(label, "it is a folder");
+  if (S_ISDIR(status.st_mode)) fail(label, "it is a folder", "name a file in it");
   const bool from_start = path != "-";  // standard input may stand anywhere in its file
   if (from_start && S_ISREG(status.st_mode) && map(file.get(), static_cast<std::size_t>(status.st_size)))
     return;

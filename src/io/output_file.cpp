@@ -65,10 +65,10 @@ void release_slot(int& slot) {
 // Refuses destinations that must not be replaced. A link to a file stands for that file.
 std::string checked_destination(const std::string& path, bool overwrite) {
   struct stat status {};
-  if (path.empty()) fail("the output", "has no name");
-  if (path.back() == '/') fail(path, "is a folder");
+  if (path.empty()) fail("the output", "has no name", "name a file, or pass '-' for standard output");
+  if (path.back() == '/') fail(path, "is a folder", "name a file in it");
   if (::lstat(path.c_str(), &status) != 0) return path;
-  if (S_ISDIR(status.st_mode)) fail(path, "is a folder");
+  if (S_ISDIR(status.st_mode)) fail(path, "is a folder", "name a file in it");
   if (!S_ISREG(status.st_mode) && !S_ISLNK(status.st_mode))
     fail(path, "is not a regular file", "pass '-' to write to standard output");
   if (!overwrite) fail_exists(path);
@@ -105,7 +105,7 @@ int rename_new(const char* from, const char* to) {
 
 }  // namespace
 
-OutputFile::OutputFile(std::string destination, bool overwrite)
+OutputFile::OutputFile(const std::string& destination, bool overwrite)
     : destination_(checked_destination(destination, overwrite)), overwrite_(overwrite) {
   std::random_device random;
   do {

@@ -257,13 +257,13 @@ class AsciiStlReader {
   }
 
   std::vector<std::string> warnings() const {
-    std::vector<std::string> out;
-    warn(out, many_vertices_, "facet", "with more than three vertices cut into triangles");
-    warn(out, dropped_, "broken facet", "left out");
-    warn(out, decimal_commas_, "number", "read with a decimal comma");
-    warn(out, odd_words_, "word", "that an STL does not have ignored");
-    if (in_solid_) out.push_back("the file ends without 'endsolid': it may have been cut off");
-    return out;
+    std::vector<std::string> told_warnings;
+    warn(told_warnings, many_vertices_, "facet", "with more than three vertices cut into triangles");
+    warn(told_warnings, dropped_, "broken facet", "left out");
+    warn(told_warnings, decimal_commas_, "number", "read with a decimal comma");
+    warn(told_warnings, odd_words_, "word", "that an STL does not have ignored");
+    if (in_solid_) told_warnings.push_back("the file ends without 'endsolid': it may have been cut off");
+    return told_warnings;
   }
 
   const Source& source_;

@@ -14,7 +14,9 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True  # the source tree stays as it is
 import cases
+import completion_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
+import error_cases
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import ic_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import mesh_scenarios  # noqa: F401  (adds to the groups of scenarios)
@@ -40,6 +42,8 @@ def all_tests():
     for group, functions in scenarios.GROUPS.items():
         for function in functions:
             yield group, function.__name__, scenario_test(function)
+    for name, test in error_cases.tests():
+        yield "errors", name, test
 
 
 def passes(name, test, program):
