@@ -85,7 +85,7 @@ class CleanCommand : public Command {
          store_text(snapshots_)},
         {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON.",
          store_text(report_path_)},
-        {"--html", 0, "FILE", "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures.",
+        {"--html", 0, file("FILE", kPages), "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures.",
          store_text(html_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},
