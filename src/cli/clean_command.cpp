@@ -153,7 +153,7 @@ class CleanCommand : public Command {
          store_text(snapshots_)},
         {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON; in a folder or by a pattern, one for each input and a summary.json.",
          store_text(report_path_)},
-        {"--html", 0, file("FILE", {".html"}), "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures. In a folder or by a pattern, one for each input.",
+        {"--html", 0, file("FILE", kPages), "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures. In a folder or by a pattern, one for each input.",
          store_text(html_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},

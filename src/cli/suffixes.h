@@ -17,5 +17,6 @@ inline const Suffixes kMarkedOutputs = {".vtp", ".ply"};
 inline const Suffixes kFieldOutputs = {".vtu", ".htg", ".vti", ".nrrd", ".vdb"};
 inline const Suffixes kMeshOutputs = {".vtu", ".msh", ".su2", ".cgns"};  // besides the folder of a case
 inline const Suffixes kReports = {".json"};
+inline const Suffixes kPages = {".html"};
 
 }  // namespace burnish
