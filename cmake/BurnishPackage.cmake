@@ -10,6 +10,8 @@ set(CPACK_PACKAGE_NAME burnish)
 set(CPACK_PACKAGE_VENDOR "Burnish")
 set(CPACK_PACKAGE_VERSION ${PROJECT_VERSION})
 set(CPACK_PACKAGE_HOMEPAGE_URL "${BURNISH_HOMEPAGE}")
+# The first line of all descriptions.
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "repair and smoothing of triangle meshes")
 set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
 set(CPACK_PACKAGE_DIRECTORY "${PROJECT_BINARY_DIR}/packages")
 set(CPACK_STRIP_FILES ON)
@@ -36,8 +38,7 @@ set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_NAME burnish)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SECTION graphics)
 set(CPACK_DEBIAN_PROGRAM_PACKAGE_SHLIBDEPS ON)
-set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "repair and smoothing of triangle meshes
-Burnish turns a dirty STL, OBJ, PLY or OFF file (holes, cracks, flipped and
+set(CPACK_COMPONENT_PROGRAM_DESCRIPTION "Burnish turns a dirty STL, OBJ, PLY or OFF file (holes, cracks, flipped and
 overlapping facets, noise) into one that is closed, oriented and free of
 self-intersections, and verifies the written file with exact predicates.
 Where broken facets cannot be mended in place, the model is rebuilt through
@@ -59,8 +60,7 @@ if(BURNISH_HAS_CGNS)
   list(APPEND burnish_development_depends libcgns-dev)
 endif()
 list(JOIN burnish_development_depends ", " CPACK_DEBIAN_DEVELOPMENT_PACKAGE_DEPENDS)
-set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "repair and smoothing of triangle meshes (development files)
-Burnish repairs triangle meshes: the result is closed, oriented and free of
+set(CPACK_COMPONENT_DEVELOPMENT_DESCRIPTION "Burnish repairs triangle meshes: the result is closed, oriented and free of
 self-intersections.
 .
 This package has the static library, its headers, and what CMake and
@@ -70,8 +70,7 @@ set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-burnish)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
-set(CPACK_COMPONENT_PYTHON_DESCRIPTION "repair and smoothing of triangle meshes (Python module)
-Burnish repairs triangle meshes: the result is closed, oriented and free of
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Burnish repairs triangle meshes: the result is closed, oriented and free of
 self-intersections.
 .
 This package has the Python module.")
