@@ -461,6 +461,7 @@ the mesh's volume is {} % off what is to be meshed: the cell is large for this m
 none of the model's volume is in the mesh, though their boxes meet: all fractions are 0
 the level set has cells of {}, not of {}, to stay within the memory budget: raise --memory
 smoothing changed the volume by {} %: {}
+{} small pieces that stand for no component of the input were left out
 was not written: {}""",
     "a signal has to come while the program works: the group 'signals' sends them": """interrupted
 interrupted while reading {}""",
