@@ -179,6 +179,7 @@ ROWS = [
          "field cube.stl -o x.vtu --cell-octree --cell 0.1 --cell-max 0.01"),
     line("expected a spacing greater than zero, found {}", "field cube.stl -o x.vti --samples 8 --box 0,0,0,0,0,0", 2),
     # Models.
+    model("is {}", "m.stl", "<!DOCTYPE html>\n"),
     model("expected a point's finite coordinate, found {}", "m.obj", "v 0 0 x\n"),
     model("expected 'OFF', found {}", "m.off", "OGG\n"),
     model("binary OFF cannot be read", "m.off", OFF.replace("OFF", "OFF BINARY")),
