@@ -1,4 +1,4 @@
-# The CGNS library, which is optional: burnish_find_cgns() sets BURNISH_HAS_CGNS, and CGNS_INCLUDE_DIR and CGNS_LIBRARY.
+# The CGNS library, which is optional: burnish_find_cgns() sets BURNISH_HAS_CGNS, and BURNISH_CGNS_VERSION, CGNS_INCLUDE_DIR and CGNS_LIBRARY.
 set(BURNISH_WITH_CGNS "AUTO" CACHE STRING "Write .cgns files: AUTO (where libcgns-dev is found), ON or OFF")
 set_property(CACHE BURNISH_WITH_CGNS PROPERTY STRINGS AUTO ON OFF)
 
@@ -9,6 +9,7 @@ macro(burnish_find_cgns)
     find_library(CGNS_LIBRARY cgns)
     if(CGNS_INCLUDE_DIR AND CGNS_LIBRARY)
       set(BURNISH_HAS_CGNS ON)
+      burnish_header_version(BURNISH_CGNS_VERSION "${CGNS_INCLUDE_DIR}/cgnslib.h" "CGNS_DOTVERS ([0-9.]+)")
     elseif(BURNISH_WITH_CGNS STREQUAL "ON")
       message(FATAL_ERROR "BURNISH_WITH_CGNS is ON and the CGNS library was not found: install libcgns-dev")
     else()

@@ -1,4 +1,4 @@
-# OpenVDB, which is optional: burnish_find_openvdb() sets BURNISH_HAS_OPENVDB, and OPENVDB_INCLUDE_DIR and OPENVDB_LIBRARY.
+# OpenVDB, which is optional: burnish_find_openvdb() sets BURNISH_HAS_OPENVDB, and BURNISH_OPENVDB_VERSION, OPENVDB_INCLUDE_DIR and OPENVDB_LIBRARY.
 #
 # Debian's OpenVDB has no configuration for CMake, only a find module in a place of its own. Its headers need those of Imath and TBB.
 set(BURNISH_WITH_OPENVDB "AUTO" CACHE STRING "Write .vdb files: AUTO (where libopenvdb-dev is found), ON or OFF")
@@ -16,6 +16,8 @@ macro(burnish_find_openvdb)
     unset(CMAKE_MESSAGE_LOG_LEVEL)
     if(OPENVDB_INCLUDE_DIR AND OPENVDB_LIBRARY AND TBB_FOUND AND Imath_FOUND)
       set(BURNISH_HAS_OPENVDB ON)
+      burnish_header_version(BURNISH_OPENVDB_VERSION "${OPENVDB_INCLUDE_DIR}/openvdb/version.h" "LIBRARY_MAJOR_VERSION_NUMBER ([0-9]+)"
+        "LIBRARY_MINOR_VERSION_NUMBER ([0-9]+)" "LIBRARY_PATCH_VERSION_NUMBER ([0-9]+)")
     elseif(BURNISH_WITH_OPENVDB STREQUAL "ON")
       message(FATAL_ERROR "BURNISH_WITH_OPENVDB is ON and OpenVDB was not found: install libopenvdb-dev, libimath-dev and libtbb-dev")
     else()

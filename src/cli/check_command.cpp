@@ -9,6 +9,7 @@
 #include "console.h"
 #include "shared_rows.h"
 #include "streams.h"
+#include "suffixes.h"
 #include "summary.h"
 #include "values.h"
 
@@ -33,7 +34,7 @@ class CheckCommand : public Command {
             "Says what is wrong with a triangle file and where, and whether it is a valid\n"
             "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
             {"burnish check FILE [options]"},
-            {{"FILE", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -60,7 +61,7 @@ class CheckCommand : public Command {
  private:
   std::vector<Option> option_table() {
     return {
-        {"--output-defects", 0, "OUT", "Options",
+        {"--output-defects", 0, file("OUT", kMarkedOutputs), "Options",
          "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.defects_output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},

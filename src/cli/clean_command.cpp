@@ -8,6 +8,7 @@
 #include "burnish/core/timer.h"
 #include "burnish/io/mesh_io.h"
 #include "burnish/pipeline/clean.h"
+#include "burnish/pipeline/html_report.h"
 #include "burnish/pipeline/sweep.h"
 #include "clean_options.h"
 #include "commands.h"
@@ -16,6 +17,7 @@
 #include "report_file.h"
 #include "shared_rows.h"
 #include "streams.h"
+#include "suffixes.h"
 #include "summary.h"
 #include "values.h"
 
@@ -44,7 +46,7 @@ class CleanCommand : public Command {
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
             {"burnish IN -o OUT [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -54,12 +56,17 @@ class CleanCommand : public Command {
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     const double start = monotonic_seconds();
-    ReportFile report_file(report_path_, job_.overwrite);
+    ReportFile report_file(report_path_, job_.overwrite), page(html_path_, job_.overwrite);
 
     Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
     for (const std::string& name : idle_options(job_.options)) console.warn(name, {"has no effect without --smooth"});
     if (time_limit_ > 0) console.stop_after(time_limit_);
-    const RepairReport report = snapshots_.empty() ? clean(job_, console) : clean_with_snapshots(console);
+    CleanSurfaces surfaces;
+    const RepairReport report = !snapshots_.empty() ? clean_with_snapshots(console) : page.wanted() ? clean(job_, surfaces, console) : clean(job_, console);
+    if (page.wanted()) {
+      console.begin_stage("making the page");
+      page.write(html_report(report, surfaces));  // no interrupt ends it: the result has its name already
+    }
     console.end_stage();
     if (report_file.wanted()) report_file.write(to_json(report));
     console.warn(report.input, report.warnings);
@@ -70,14 +77,16 @@ class CleanCommand : public Command {
  private:
   std::vector<Option> option_table() {
     std::vector<Option> table = {
-        {"--output", 'o', "FILE", "Output",
+        {"--output", 'o', file("FILE", kSurfaceOutputs), "Output",
          "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
-        {"--snapshots", 0, "DIR", "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",
+        {"--snapshots", 0, folder("DIR"), "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",
          store_text(snapshots_)},
-        {"--report", 0, "FILE", "Output", "Write a report of what was found and done, as JSON.",
+        {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and done, as JSON.",
          store_text(report_path_)},
+        {"--html", 0, "FILE", "Output", "Write a page to look at: both surfaces in 3D, what was wrong and where, and all figures.",
+         store_text(html_path_)},
         {"--json", 0, "", "Output", "Print that report on standard output instead of the table.",
          switch_on(json_)},
         salvage_row("Broken files", job_.salvage),
@@ -85,12 +94,12 @@ class CleanCommand : public Command {
          "Write the result even if it could not be verified. The exit code is still 5.",
          switch_on(job_.allow_invalid)},
         threads_row("Resources", threads_),
-        {"--time-limit", 0, "S", "Resources", "End the run after S seconds, with exit code 7 and nothing written.",
+        {"--time-limit", 0, number("S"), "Resources", "End the run after S seconds, with exit code 7 and nothing written.",
          [this](const GivenValue& v) { time_limit_ = positive_number(v); }},
         quiet_row("Messages", quiet_),
         {"--verbose", 'v', "", "Messages", "Print details and what each stage cost.", switch_on(verbose_)},
         help_row("Messages"),
-        {"--version", 0, "", "Messages", "Print the version.", [](const GivenValue&) {}},
+        {"--version", 0, "", "Messages", "Print the version, and what it was built from and with; as JSON with --json.", [](const GivenValue&) {}},
     };
     return with_clean_options(std::move(table), job_.options);
   }
@@ -114,11 +123,21 @@ class CleanCommand : public Command {
     if (!report_path_.empty() && same_file(report_path_, job_.output)) {
       refuse(fmt::format("{}: --report and -o name the same file", report_path_), "");
     }
+    require_page();
     if (job_.output == "-" && is_terminal(STDOUT_FILENO)) {
       refuse("-o - would print a binary file on the terminal", "redirect standard output, or name a file");
     }
     if (quiet_ && verbose_) refuse("-q and -v exclude each other", "");
     if (job_.output != "-") static_cast<void>(format_for_writing(job_.output));
+  }
+
+  void require_page() const {
+    if (html_path_.empty()) return;
+    const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
+    if (html_path_ == "-") refuse("--html needs a file's name", "for example --html report.html");
+    if (!snapshots_.empty()) refuse("--html and --snapshots exclude each other", "a page shows one result: leave one of them out");
+    for (const auto& [name, path] : {std::pair{"-o", job_.output}, {"--report", report_path_}, {"the input", job_.input}})
+      if (!path.empty() && same_file(html_path_, path)) refuse(fmt::format("{}: --html and {} name the same file", html_path_, name), "");
   }
 
   // Snapshots that could not be made are warned of; what counts is the result.
@@ -151,6 +170,7 @@ class CleanCommand : public Command {
 
   CleanJob job_;
   std::string report_path_;
+  std::string html_path_;
   std::string snapshots_;
   int threads_ = 0;
   bool json_ = false;

@@ -7,18 +7,19 @@
 #include <iterator>
 
 #include "burnish/core/error.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
 namespace {
 
 void smoothing(const GivenValue& given, CleanOptions& options) {
-  options.smooth_auto = given.text == "auto";
+  options.smooth_auto = is_listed(given);
   if (!options.smooth_auto) options.smooth = positive_length(given);
 }
 
 void iso_value(const GivenValue& given, VolumeOptions& options) {
-  options.iso_auto = given.text == "auto";
+  options.iso_auto = is_listed(given);
   if (!options.iso_auto) options.iso = finite_number(given);
 }
 
@@ -38,73 +39,73 @@ void signed_offset(const GivenValue& given, CleanOptions& options) {
 std::vector<Option> rows(CleanOptions& o) {
   return {
     {"--from-field", 0, "", "Volumes", "IN is a volume of values, .vti, .nrrd or .nhdr: its surface is where they are --iso.", switch_on(o.volume.asked)},
-    {"--iso", 0, "V", "Volumes", "The value on the surface of a volume; above it is inside. 'auto' takes Otsu's threshold.",
+    {"--iso", 0, number("V", {"auto"}), "Volumes", "The value on the surface of a volume; above it is inside. 'auto' takes Otsu's threshold.",
      [&o](const GivenValue& v) { iso_value(v, o.volume); }},
     {"--below", 0, "", "Volumes", "Inside are the values below --iso.", switch_on(o.volume.below)},
     {"--array", 0, "NAME", "Volumes", "Which of several arrays of values. The active one, or the first, when not given.", store_text(o.volume.array)},
-    {"--method", 0, "M", "Repair",
+    {"--method", 0, word("M", {"auto", "local", "levelset"}), "Repair",
      "'local' mends what is broken and leaves the rest as it is, 'levelset' rebuilds the surface, 'auto' (default) chooses.",
-     [&o](const GivenValue& v) { o.method = one_of<Method>(v, {"auto", "local", "levelset"}); }},
+     [&o](const GivenValue& v) { o.method = one_of<Method>(v); }},
     nested_row("Repair", o),
     gap_row("Repair", o),
     {"--recentre", 0, "", "Repair", "Move the model to the origin: for coordinates too large for an STL.",
      switch_on(o.recentre)},
-    {"--max-hole", 0, "L", "Openings", "Close holes up to a diameter of L; wider openings stay.",
+    {"--max-hole", 0, length("L"), "Openings", "Close holes up to a diameter of L; wider openings stay.",
      [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
     {"--keep-openings", 0, "", "Openings", "Close no opening: terrain and one-sided scans stay open sheets.",
      switch_on(o.keep_openings)},
-    {"--thicken", 0, "T", "Openings", "Make a shell of thickness T about the surface, open or not.",
+    {"--thicken", 0, length("T"), "Openings", "Make a shell of thickness T about the surface, open or not.",
      [&o](const GivenValue& v) { o.thicken = length_without_cells(v); }},
     {"--keep-largest", 0, "", "Components", "Keep only the component with the largest volume.", switch_on(o.keep_largest)},
-    {"--min-component", 0, "V", "Components",
+    {"--min-component", 0, number("V"), "Components",
      "Drop components with less volume than V, such as 0.5 or 1% (of the largest one's).",
      [&o](const GivenValue& v) { o.min_component = volume_limit(v); }},
-    {"--cell", 0, "L", "Resolution",
+    {"--cell", 0, length("L", {"auto"}), "Resolution",
      "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
      [&o](const GivenValue& v) {
-       if (v.text != "auto") o.cell = length_without_cells(v);
+       if (!is_listed(v)) o.cell = length_without_cells(v);
      }},
-    {"--resolution", 0, "N", "Resolution",
+    {"--resolution", 0, count("N"), "Resolution",
      "Cells along the longest side (8 to 100000), instead of --cell.",
      [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
-    {"--adapt", 0, "TOL", "Resolution",
+    {"--adapt", 0, length("TOL"), "Resolution",
      "Take coarser cells where the distance is off by no more than TOL, such as 0.1h or 0.01.",
      [&o](const GivenValue& v) { o.adapt = positive_length(v); }},
-    {"--cell-max", 0, "L", "Resolution", "With --adapt: the coarsest cells, such as 16h or 1%; 8h when not given.",
+    {"--cell-max", 0, length("L"), "Resolution", "With --adapt: the coarsest cells, such as 16h or 1%; 8h when not given.",
      [&o](const GivenValue& v) { o.cell_max = positive_length(v); }},
-    {"--smooth", 0, "L", "Smoothing", "Remove what is smaller than L; 'auto' removes the noise that it finds, and nothing else.",
+    {"--smooth", 0, length("L", {"auto"}), "Smoothing", "Remove what is smaller than L; 'auto' removes the noise that it finds, and nothing else.",
      [&o](const GivenValue& v) { smoothing(v, o); }},
-    {"--mode", 0, "M", "Smoothing",
+    {"--mode", 0, word("M", {"auto", "feature", "volume", "mcf", "filtered", "reinit"}), "Smoothing",
      "'feature' keeps sharp edges, 'volume' is for organic shapes, 'mcf' mean-curvature flow, 'filtered' keeps spheres, 'reinit' the "
      "thesis' reinitialisation; 'auto' (default) chooses 'feature' or 'volume'.",
-     [&o](const GivenValue& v) { o.mode = one_of<SmoothMode>(v, {"auto", "feature", "volume", "mcf", "filtered", "reinit"}); }},
-    {"--keep-volume", 0, "", "Smoothing", "The volume stays what it was (default).", switch_on(o.keep_volume)},
-    {"--free-volume", 0, "", "Smoothing", "The volume may change.", [&o](const GivenValue&) { o.keep_volume = false; }},
-    {"--crease", 0, "ANGLE", "Smoothing", "Edges of more than ANGLE degrees stay sharp. Chosen from the noise, or 40, when not given.",
+     [&o](const GivenValue& v) { o.mode = one_of<SmoothMode>(v); }},
+    {"--keep-volume", 0, "", "Smoothing", "The volume stays what it was (default).", switch_on(o.keep_volume), false, "--free-volume"},
+    {"--free-volume", 0, "", "Smoothing", "The volume may change.", [&o](const GivenValue&) { o.keep_volume = false; }, false, "--keep-volume"},
+    {"--crease", 0, number("ANGLE"), "Smoothing", "Edges of more than ANGLE degrees stay sharp. Chosen from the noise, or 40, when not given.",
      [&o](const GivenValue& v) { o.crease_angle = angle(v, 180); }},
-    {"--region", 0, "FILE", "Smoothing", "Smooth only inside FILE: a .txt with boxes and spheres, or a closed surface.", store_text(o.region)},
-    {"--curvature-radius", 0, "R", "Smoothing", "Smooth only what is curved more than a sphere of radius R.",
+    {"--region", 0, file("FILE", kRegionInputs), "Smoothing", "Smooth only inside FILE: a .txt with boxes and spheres, or a closed surface.", store_text(o.region)},
+    {"--curvature-radius", 0, length("R"), "Smoothing", "Smooth only what is curved more than a sphere of radius R.",
      [&o](const GivenValue& v) { o.curvature_radius = length_without_cells(v); }},
-    {"--deviation", 0, "T", "Smoothing", "Keep the smoothed surface within T of the repaired one; measured on the result.",
+    {"--deviation", 0, length("T"), "Smoothing", "Keep the smoothed surface within T of the repaired one; measured on the result.",
      [&o](const GivenValue& v) { o.deviation = positive_length(v); }},
-    {"--redistance", 0, "M", "Smoothing",
+    {"--redistance", 0, redistance_methods("M"), "Smoothing",
      "What keeps distances while it smooths: 'closest' points (default), 'fmm', or the thesis' 'pde-weno5' and 'pde-first'.",
-     [&o](const GivenValue& v) { o.redistance = redistance_method(v); }},
-    {"--offset", 0, "D", "Walls", "Move the surface outwards by D, inwards with --offset=-D.",
+     [&o](const GivenValue& v) { o.redistance = one_of<RedistanceMethod>(v); }},
+    {"--offset", 0, length("D"), "Walls", "Move the surface outwards by D, inwards with --offset=-D.",
      [&o](const GivenValue& v) { signed_offset(v, o); }},
-    {"--hollow", 0, "T", "Walls", "Keep only a wall of thickness T inside the surface.",
+    {"--hollow", 0, length("T"), "Walls", "Keep only a wall of thickness T inside the surface.",
      [&o](const GivenValue& v) { o.hollow = length_without_cells(v); }},
-    {"--surface", 0, "X", "Triangles",
+    {"--surface", 0, word("X", {"auto", "delaunay", "tetrahedra"}), "Triangles",
      "What extracts the surface: 'delaunay' for well-shaped triangles, 'tetrahedra' for speed; 'auto' (default) chooses by their number.",
-     [&o](const GivenValue& v) { o.surface = one_of<Extractor>(v, {"auto", "delaunay", "tetrahedra"}); }},
-    {"--edge", 0, "L", "Triangles", "Length of the triangles' edges, such as 0.5 or 2h.", [&o](const GivenValue& v) { o.edge = positive_length(v); }},
-    {"--edge-tolerance", 0, "T", "Triangles", "Larger triangles where the surface is flat: within T of it, such as 0.1h ('delaunay').",
+     [&o](const GivenValue& v) { o.surface = one_of<Extractor>(v); }},
+    {"--edge", 0, length("L"), "Triangles", "Length of the triangles' edges, such as 0.5 or 2h.", [&o](const GivenValue& v) { o.edge = positive_length(v); }},
+    {"--edge-tolerance", 0, length("T"), "Triangles", "Larger triangles where the surface is flat: within T of it, such as 0.1h ('delaunay').",
      [&o](const GivenValue& v) { o.edge_tolerance = positive_length(v); }},
-    {"--min-angle", 0, "A", "Triangles", "Smallest angle of triangles away from creases, up to 30 degrees; 25 when not given ('delaunay').",
+    {"--min-angle", 0, number("A"), "Triangles", "Smallest angle of triangles away from creases, up to 30 degrees; 25 when not given ('delaunay').",
      [&o](const GivenValue& v) { o.min_angle = angle(v, 30); }},
-    {"--facets", 0, "N", "Triangles", "Simplify the result to N triangles; creases stay.",
+    {"--facets", 0, count("N"), "Triangles", "Simplify the result to N triangles; creases stay.",
      [&o](const GivenValue& v) { o.facets = integer_within(v, 4, 4'000'000'000); }},
-    {"--simplify", 0, "T", "Triangles", "Simplify the result as far as it stays within T of what it was; creases stay.",
+    {"--simplify", 0, length("T"), "Triangles", "Simplify the result as far as it stays within T of what it was; creases stay.",
      [&o](const GivenValue& v) { o.simplify = length_without_cells(v); }},
     memory_row("Resources", o),
   };

@@ -5,9 +5,12 @@
 #pragma once
 
 #include <functional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "value.h"
 
 namespace burnish {
 
@@ -15,6 +18,7 @@ namespace burnish {
 struct GivenValue {
   std::string_view name;  // "--cell", or an operand's name
   std::string_view text;  // empty for a switch
+  std::span<const std::string_view> words = {};  // those that its row lists
 };
 
 // Stores a value. Throws Error{usage} for one that means nothing.
@@ -23,16 +27,17 @@ using Setter = std::function<void(const GivenValue&)>;
 struct Option {
   std::string_view name;   // "--output"
   char letter = 0;         // 'o' if it is also -o; 0: there is no short form
-  std::string_view value;  // what stands for the value in help, e.g. "FILE"; empty: a switch
+  Value value;             // "NAME", file("FILE", {".stl"}), word("M", {"auto", "local"}), ...; empty: a switch
   std::string_view group;  // its heading in help; options of a group stand together
   std::string_view help;
   Setter set;
   bool repeatable = false;  // may be given more than once, each time with another value
+  std::string_view opposite = {};  // of a switch, the one that says the contrary: what `False` means where options are values
 };
 
 // An argument without a name of its own. Every operand is required.
 struct Operand {
-  std::string_view name;
+  Value value;
   std::string_view help;
   Setter set;
 };

@@ -21,6 +21,8 @@ const std::vector<CommandEntry>& commands() {
       {"mesh", "fill the inside or the outside with cells for flow simulation", make_mesh_command},
       {"ic", "write volume fractions onto the mesh of an OpenFOAM case", make_ic_command},
       {"example", "make a dirty model to try things on", make_example_command},
+      {"completion", "print the completion script of a shell: bash, zsh or fish", make_completion_command},
+      {"man", "print the manual page", make_man_command},
   };
   return table;
 }

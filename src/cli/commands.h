@@ -20,6 +20,8 @@ std::unique_ptr<Command> make_curvature_command();  // burnish curvature FILE
 std::unique_ptr<Command> make_ic_command();       // burnish ic IN --case CASE
 std::unique_ptr<Command> make_mesh_command();     // burnish mesh IN -o CASE
 std::unique_ptr<Command> make_example_command();  // burnish example SHAPE -o FILE
+std::unique_ptr<Command> make_completion_command();  // burnish completion SHELL
+std::unique_ptr<Command> make_man_command();      // burnish man
 
 struct CommandEntry {
   std::string_view name;

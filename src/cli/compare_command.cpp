@@ -15,6 +15,7 @@
 #include "console.h"
 #include "shared_rows.h"
 #include "streams.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
@@ -39,8 +40,8 @@ class CompareCommand : public Command {
     return {"compare",
             "Says how far two surfaces are from each other, both ways, and where.",
             {"burnish compare A B [options]"},
-            {{"A", "STL, OBJ, PLY or OFF file; the one that percentages refer to.", store_text(job_.a)},
-             {"B", "The other file; '-', for one of them, is standard input.", store_text(job_.b)}},
+            {{file("A", kSurfaceInputs), "STL, OBJ, PLY or OFF file; the one that percentages refer to.", store_text(job_.a)},
+             {file("B", kSurfaceInputs), "The other file; '-', for one of them, is standard input.", store_text(job_.b)}},
             option_table(),
             kNotes};
   }
@@ -70,12 +71,12 @@ class CompareCommand : public Command {
  private:
   std::vector<Option> option_table() {
     return {
-        {"--max", 0, "L", "Options", "Exit 1 if a sample is farther than L from the other surface.",
+        {"--max", 0, length("L"), "Options", "Exit 1 if a sample is farther than L from the other surface.",
          [this](const GivenValue& v) { job_.max = length_without_cells(v); }},
-        {"--output", 'o', "OUT", "Options",
+        {"--output", 'o', file("OUT", kMarkedOutputs), "Options",
          "Write A with its signed deviation from B: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
-        {"--samples", 0, "N", "Options",
+        {"--samples", 0, count("N"), "Options",
          "Take N samples by area, and up to N vertices, of each; 200000 when not given, 60000 with --normals.",
          [this](const GivenValue& v) { samples_ = integer_within(v, 1, 20'000'000); }},
         {"--exact", 0, "", "Options", "Take every distance by exact arithmetic: about 15 times slower.",
@@ -87,14 +88,14 @@ class CompareCommand : public Command {
         help_row("Options"),
         {"--normals", 0, "", "A against a truth", "Take B for what A should be: errors of normals and distance, near creases and elsewhere.",
          switch_on(truth_asked_)},
-        {"--input", 0, "FILE", "A against a truth", "What A was made from: its volume is compared as well.", store_text(truth_.input)},
-        {"--floor", 0, "FILE", "A against a truth",
+        {"--input", 0, file("FILE", kSurfaceInputs), "A against a truth", "What A was made from: its volume is compared as well.", store_text(truth_.input)},
+        {"--floor", 0, file("FILE", kSurfaceInputs), "A against a truth",
          "What the same program makes of B itself: the error that is not the noise's, beside A's.", store_text(truth_.floor)},
-        {"--crease-angle", 0, "DEG", "A against a truth", "Edges of B under more than this are creases; 30 when not given.",
+        {"--crease-angle", 0, number("DEG"), "A against a truth", "Edges of B under more than this are creases; 30 when not given.",
          [this](const GivenValue& v) { crease_angle_ = degrees(v); }},
-        {"--crease-width", 0, "L", "A against a truth", "How near to a crease is near; B's mean edge when not given.",
+        {"--crease-width", 0, length("L"), "A against a truth", "How near to a crease is near; B's mean edge when not given.",
          [this](const GivenValue& v) { truth_.crease_width = length_without_cells(v); }},
-        {"--map", 0, "OUT", "A against a truth", "Write A with the errors of its facets (.vtp).", store_text(truth_.map)},
+        {"--map", 0, file("OUT", {".vtp"}), "A against a truth", "Write A with the errors of its facets (.vtp).", store_text(truth_.map)},
     };
   }
 

@@ -13,6 +13,7 @@
 #include "curvature_summary.h"
 #include "outcome.h"
 #include "shared_rows.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
@@ -42,7 +43,7 @@ class CurvatureCommand : public Command {
             "Takes mean, Gaussian and principal curvatures of the surface of a triangle\n"
             "file: reports how they are spread, and writes them for viewers.",
             {"burnish curvature IN [-o OUT] [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -63,28 +64,28 @@ class CurvatureCommand : public Command {
   std::vector<Option> option_table() {
     CleanOptions& o = job_.options;
     return {
-        {"--output", 'o', "FILE", "Output", "Write the surface with its curvatures: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
+        {"--output", 'o', file("FILE", kMarkedOutputs), "Output", "Write the surface with its curvatures: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace FILE if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Output", "Print the result as JSON.", switch_on(json_)},
-        {"--at", 0, "W", "Curvature", "At the vertices of the extracted 'surface' (default), or at the input's own 'vertices'.",
-         [this](const GivenValue& v) { job_.at = one_of<CurvaturePoints>(v, {"surface", "vertices"}); }},
-        {"--order", 0, "N", "Curvature", "Order of accuracy on a smooth surface: 2, 4 (default) or 6. Higher ones look farther.",
+        {"--at", 0, word("W", {"surface", "vertices"}), "Curvature", "At the vertices of the extracted 'surface' (default), or at the input's own 'vertices'.",
+         [this](const GivenValue& v) { job_.at = one_of<CurvaturePoints>(v); }},
+        {"--order", 0, word("N", {"2", "4", "6"}), "Curvature", "Order of accuracy on a smooth surface: 2, 4 (default) or 6. Higher ones look farther.",
          [this](const GivenValue& v) { job_.order = order(v); }},
-        {"--method", 0, "M", "Curvature", "'front' (default): at points of the surface; 'nodal': of nodes, interpolated, for comparison.",
-         [this](const GivenValue& v) { job_.method = one_of<CurvatureMethod>(v, {"front", "nodal"}); }},
-        {"--check", 0, "N", "Curvature", "Compare N points with polynomials fitted to the surface around them.",
+        {"--method", 0, word("M", {"front", "nodal"}), "Curvature", "'front' (default): at points of the surface; 'nodal': of nodes, interpolated, for comparison.",
+         [this](const GivenValue& v) { job_.method = one_of<CurvatureMethod>(v); }},
+        {"--check", 0, count("N"), "Curvature", "Compare N points with polynomials fitted to the surface around them.",
          [this](const GivenValue& v) { job_.check = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); }},
-        {"--smooth", 0, "L", "Curvature", "Remove waves shorter than L first, facets among them. The volume is kept.",
+        {"--smooth", 0, length("L"), "Curvature", "Remove waves shorter than L first, facets among them. The volume is kept.",
          [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
-        {"--cell", 0, "L", "Resolution", "Side of the cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
+        {"--cell", 0, length("L", {"auto"}), "Resolution", "Side of the cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
-           if (v.text != "auto") o.cell = length_without_cells(v);
+           if (!is_listed(v)) o.cell = length_without_cells(v);
          }},
-        {"--resolution", 0, "N", "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
+        {"--resolution", 0, count("N"), "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
          [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
         nested_row("Preparation", o),
         gap_row("Preparation", o),
-        {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
+        {"--max-hole", 0, length("L"), "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
          [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
         salvage_row("Preparation", job_.salvage),
         threads_row("Resources", threads_),
@@ -96,10 +97,9 @@ class CurvatureCommand : public Command {
 
   static CurvatureOrder order(const GivenValue& v) {
     constexpr CurvatureOrder kOrders[] = {CurvatureOrder::second, CurvatureOrder::fourth, CurvatureOrder::sixth};
-    for (const CurvatureOrder o : kOrders)
-      if (v.text == std::to_string(static_cast<int>(o))) return o;
+    if (is_listed(v)) return kOrders[place_among(v)];
     // No number is a misspelt other one: there is nothing to suggest.
-    throw Error(ErrorCode::usage, fmt::format("{} {}: expected one of 2, 4, 6", v.name, v.text), "");
+    throw Error(ErrorCode::usage, fmt::format("{} {}: expected one of {}", v.name, v.text, fmt::join(v.words, ", ")), "");
   }
 
   // Before anything is read; an output that looks at the model must not take its place.

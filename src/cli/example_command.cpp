@@ -13,6 +13,7 @@
 #include "console.h"
 #include "shared_rows.h"
 #include "streams.h"
+#include "suffixes.h"
 #include "suggest.h"
 #include "values.h"
 
@@ -28,14 +29,11 @@ Example:
 )";
 
 ExampleShape shape_named(const GivenValue& given) {
-  const std::vector<std::string> names = {"sphere", "vase", "knot", "nozzle"};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (names[i] == given.text) return static_cast<ExampleShape>(i);
-  }
-  const auto near = nearest(given.text, names);
+  if (is_listed(given)) return one_of<ExampleShape>(given);
+  const auto near = nearest(std::string(given.text), {given.words.begin(), given.words.end()});
   throw Error(
       ErrorCode::usage, fmt::format("unknown shape '{}'", given.text),
-      near ? fmt::format("did you mean '{}'?", *near) : "the shapes are sphere, vase, knot and nozzle");
+      near ? fmt::format("did you mean '{}'?", *near) : fmt::format("the shapes are {}", fmt::join(given.words, ", ")));
 }
 
 // A mesh on its way to a file or to standard output. Nothing is seen of it before `commit`.
@@ -69,7 +67,7 @@ class ExampleCommand : public Command {
     return {"example",
             "Makes a model with known defects, to try Burnish on.",
             {"burnish example sphere|vase|knot|nozzle -o FILE [options]"},
-            {{"SHAPE", "sphere, vase, knot or nozzle.",
+            {{word("SHAPE", {"sphere", "vase", "knot", "nozzle"}), "sphere, vase, knot or nozzle.",
               [this](const GivenValue& v) { shape_ = shape_named(v); }}},
             option_table(),
             kNotes};
@@ -101,16 +99,16 @@ class ExampleCommand : public Command {
     ExampleOptions& o = options_;
     constexpr auto kMaxSeed = std::numeric_limits<std::uint64_t>::max();
     return {
-        {"--noise", 0, "S", "Dirt", "Standard deviation of the noise along the normals, in mean edges.",
+        {"--noise", 0, number("S"), "Dirt", "Standard deviation of the noise along the normals, in mean edges.",
          [&o](const GivenValue& v) { o.noise = non_negative_number(v); }},
-        {"--holes", 0, "N", "Dirt", "Number of round holes.",
+        {"--holes", 0, count("N"), "Dirt", "Number of round holes.",
          [&o](const GivenValue& v) { o.holes = static_cast<int>(integer_within(v, 0, 10'000)); }},
-        {"--seed", 0, "K", "Dirt", "Another seed (default: 1) gives other noise and other holes.",
+        {"--seed", 0, count("K"), "Dirt", "Another seed (default: 1) gives other noise and other holes.",
          [&o](const GivenValue& v) { o.seed = integer_within(v, 0, kMaxSeed); }},
-        {"--output", 'o', "FILE", "Output",
+        {"--output", 'o', file("FILE", kSurfaceOutputs), "Output",
          "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
          store_text(output_)},
-        {"--truth", 0, "FILE", "Output", "Write the clean shape here.", store_text(truth_)},
+        {"--truth", 0, file("FILE", kSurfaceOutputs), "Output", "Write the clean shape here.", store_text(truth_)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(overwrite_)},
         quiet_row("Messages", quiet_),
         help_row("Messages"),

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <utility>
 
 #include "burnish/core/error.h"
@@ -15,6 +16,7 @@
 #include "field_summary.h"
 #include "outcome.h"
 #include "shared_rows.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
@@ -55,7 +57,7 @@ class FieldCommand : public Command {
             "Builds the level set of a triangle file on its octree: reports it, compares it\n"
             "with exact distances, and writes it for viewers and solvers.",
             {"burnish field IN [-o OUT] [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -118,10 +120,13 @@ class FieldCommand : public Command {
   std::vector<Option> option_table() {
     std::vector<Option> table = own_options();
     const auto behind = std::find_if(table.begin(), table.end(), [](const Option& o) { return o.group == "Preparation"; });
+    constexpr std::array<std::string_view, 4> kWanted{"--smooth", "--mode", "--free-volume", "--deviation"};
     std::vector<Option> rows;
-    for (Option& row : with_clean_options({}, job_.options))
-      for (const std::string_view wanted : {"--smooth", "--mode", "--free-volume", "--deviation"})
-        if (row.name == wanted) rows.push_back(std::move(row)), rows.back().set = of_level_set(rows.back().set);
+    for (Option& row : with_clean_options({}, job_.options)) {
+      if (std::find(kWanted.begin(), kWanted.end(), row.name) == kWanted.end()) continue;
+      row.set = of_level_set(std::move(row.set));
+      rows.push_back(std::move(row));
+    }
     table.insert(behind, rows.begin(), rows.end());
     return table;
   }
@@ -130,58 +135,58 @@ class FieldCommand : public Command {
     CleanOptions& o = job_.options;
     FieldContent& c = job_.content;
     return {
-        {"--output", 'o', "FILE", "Output", "Where to write: .vtu (cells and nodes), .htg (the tree), .vti or .nrrd (a uniform grid), .vdb (OpenVDB).", store_text(job_.output)},
+        {"--output", 'o', file("FILE", kFieldOutputs), "Output", "Where to write: .vtu (cells and nodes), .htg (the tree), .vti or .nrrd (a uniform grid), .vdb (OpenVDB).", store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace FILE if it exists already.", switch_on(job_.overwrite)},
-        {"--octree", 0, "W", "Output",
+        {"--octree", 0, word("W", {"near", "blocks", "cells"}), "Output",
          "What is a cell of FILE: 'near' (default) a cell of the octree near the surface and a block elsewhere, 'blocks', or 'cells' everywhere.",
-         of_level_set([this](const GivenValue& v) { cells_ = one_of<FieldCells>(v, {"near", "blocks", "cells"}), octree_given_ = true; })},
+         of_level_set([this](const GivenValue& v) { cells_ = one_of<FieldCells>(v), octree_given_ = true; })},
         {"--blocks", 0, "", "Output", "The same as --octree blocks.", of_level_set(switch_on(blocks_))},
-        {"--data", 0, "LIST", "Output",
+        {"--data", 0, word_list("LIST", array_names()), "Output",
          "Arrays of a .vtu or .htg, such as phi,facet: of phi, level, inside, block, facet, mean_curvature, sign_confidence, accepted; all when not given.",
          of_cells([&c](const GivenValue& v) { c.arrays = arrays(v); })},
         {"--plain", 0, "", "Output", "The same as --data phi,level.", of_cells(switch_on(plain_))},
         {"--cell-centred", 0, "", "Output", "Values of a .vtu in cells only, not at nodes.", of_cells(switch_on(c.cell_centred))},
-        {"--narrow-band", 0, "W", "Output",
+        {"--narrow-band", 0, length("W"), "Output",
          "Only distances up to W, such as 3h or 0.1: cells within it (.vtu), values that end there (.htg, .vti, .nrrd), half the band of a .vdb (3h when not given).",
          of_content([&c](const GivenValue& v) { c.narrow_band = positive_length(v); }, [](FieldFormat) { return true; }, "a file")},
         {"--box", 0, "BOX", "Output", "What a .vti or .nrrd covers, xmin,ymin,zmin,xmax,ymax,zmax; the model and 5 % around it when not given.",
          of_samples([&c](const GivenValue& v) { c.box = box_of(v); })},
-        {"--samples", 0, "N", "Output", "Nodes of a .vti or .nrrd along its longest side (2 to 100000).",
+        {"--samples", 0, count("N"), "Output", "Nodes of a .vti or .nrrd along its longest side (2 to 100000).",
          of_samples([&c](const GivenValue& v) { c.samples = static_cast<int>(integer_within(v, 2, 100'000)); })},
-        {"--spacing", 0, "L", "Output", "Distance between nodes of a .vti or .nrrd; that of the finest cells when not given.",
+        {"--spacing", 0, length("L"), "Output", "Distance between nodes of a .vti or .nrrd; that of the finest cells when not given.",
          of_samples([&c](const GivenValue& v) { c.spacing = positive_length(v); })},
         {"--json", 0, "", "Output", "Print the result as JSON.", switch_on(json_)},
-        {"--cell", 0, "L", "Resolution", "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
+        {"--cell", 0, length("L", {"auto"}), "Resolution", "Side of the finest cells, such as 0.5 or 0.2%. Chosen from the model with 'auto', or when not given.",
          [&o](const GivenValue& v) {
-           if (v.text != "auto") o.cell = length_without_cells(v);
+           if (!is_listed(v)) o.cell = length_without_cells(v);
          }},
-        {"--resolution", 0, "N", "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
+        {"--resolution", 0, count("N"), "Resolution", "Cells along the longest side (8 to 100000), instead of --cell.",
          [&o](const GivenValue& v) { o.resolution = static_cast<int>(integer_within(v, 8, 100'000)); }},
-        {"--band", 0, "CELLS", "Resolution", "Exact distances up to this many cells on both sides (2 to 64; default 3, with --redistance 3.5 or more).",
+        {"--band", 0, number("CELLS"), "Resolution", "Exact distances up to this many cells on both sides (2 to 64; default 3, with --redistance 3.5 or more).",
          of_level_set([this](const GivenValue& v) { job_.band = band(v), band_given_ = true; })},
-        {"--redistance", 0, "M", "Distances",
+        {"--redistance", 0, redistance_methods("M"), "Distances",
          "Distances beyond the exact ones by 'closest' points, 'fmm', 'pde-weno5' or 'pde-first' (the thesis' way), instead of by the facets.",
-         of_level_set([this](const GivenValue& v) { job_.redistance = redistance_method(v); })},
-        {"--accepted", 0, "W", "Distances",
+         of_level_set([this](const GivenValue& v) { job_.redistance = one_of<RedistanceMethod>(v); })},
+        {"--accepted", 0, word("W", {"cells", "band"}), "Distances",
          "With --redistance, what stays exact: 'cells' (default) that facets cut, and their neighbours, or the whole 'band'.",
-         of_level_set([this](const GivenValue& v) { job_.exact = one_of<ExactNodes>(v, {"cells", "band"}), accepted_given_ = true; })},
-        {"--verify-exact", 0, "N", "Checking", "Compare N nodes with exact distances; exit code 1 if one is off by more than is allowed.",
+         of_level_set([this](const GivenValue& v) { job_.exact = one_of<ExactNodes>(v), accepted_given_ = true; })},
+        {"--verify-exact", 0, count("N"), "Checking", "Compare N nodes with exact distances; exit code 1 if one is off by more than is allowed.",
          of_level_set([this](const GivenValue& v) { job_.verify = static_cast<std::size_t>(integer_within(v, 1, 100'000'000)); })},
         {"--cell-octree", 0, "", "Refinement", "Grow an octree whose leaves are cells, not blocks of cells, and no level set.", switch_on(cell_octree_)},
-        {"--adapt", 0, "TOL", "Refinement", "Take coarser cells where the distance is off by no more than TOL, such as 0.1h or 0.01.",
+        {"--adapt", 0, length("TOL"), "Refinement", "Take coarser cells where the distance is off by no more than TOL, such as 0.1h or 0.01.",
          of_level_set([&o](const GivenValue& v) { o.adapt = positive_length(v); })},
-        {"--cell-max", 0, "L", "Refinement",
+        {"--cell-max", 0, length("L"), "Refinement",
          "The coarsest cells at the surface, such as 16h or 1%; 8h when not given, with --cell-octree a fifth of the longest side.",
          [&o](const GivenValue& v) { o.cell_max = positive_length(v); }},
-        {"--max-face-limit", 0, "N", "Refinement", "Divide while a cell holds the centroids of more than N facets.",
+        {"--max-face-limit", 0, count("N"), "Refinement", "Divide while a cell holds the centroids of more than N facets.",
          [this](const GivenValue& v) { job_.limits.max_face_limit = facets(v); }},
-        {"--max-face-cut", 0, "N", "Refinement", "Divide while more than N facets cut a cell.",
+        {"--max-face-cut", 0, count("N"), "Refinement", "Divide while more than N facets cut a cell.",
          [this](const GivenValue& v) { job_.limits.max_face_cut = facets(v); }},
-        {"--refine-tol", 0, "X", "Refinement", "Divide while a cell is wider than X times the shortest edge of the facets that cut them.",
+        {"--refine-tol", 0, number("X"), "Refinement", "Divide while a cell is wider than X times the shortest edge of the facets that cut them.",
          [this](const GivenValue& v) { job_.limits.refine_tol = refine_tol(v); }},
         of_level_set(nested_row("Preparation", o)),
         of_level_set(gap_row("Preparation", o)),
-        {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
+        {"--max-hole", 0, length("L"), "Preparation", "Close holes up to a diameter of L; of a sheet with wider openings one side is inside.",
          of_level_set([&o](const GivenValue& v) { o.max_hole = length_without_cells(v); })},
         salvage_row("Preparation", job_.salvage),
         threads_row("Resources", threads_),
@@ -191,11 +196,15 @@ class FieldCommand : public Command {
     };
   }
 
+  static std::vector<std::string_view> array_names() {
+    std::vector<std::string_view> words;
+    for (std::size_t a = 0; a < kFieldArrays; ++a) words.push_back(name(static_cast<FieldArray>(a)));
+    return words;
+  }
+
   static std::vector<FieldArray> arrays(const GivenValue& v) {
-    std::vector<std::string> words;
-    for (std::size_t a = 0; a < kFieldArrays; ++a) words.emplace_back(name(static_cast<FieldArray>(a)));
     std::vector<FieldArray> chosen;
-    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word}, words));
+    for (const std::string_view word : parts_of(v.text)) chosen.push_back(one_of<FieldArray>({v.name, word, v.words}));
     return chosen;
   }
 

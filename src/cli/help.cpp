@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "command_line.h"
+#include "manual.h"
 
 namespace burnish {
 namespace {
@@ -37,15 +38,7 @@ std::string entry(const std::string& term, std::string_view text) {
 
 std::string term_of(const Option& option) {
   const std::string letter = option.letter != 0 ? fmt::format("-{}, ", option.letter) : "    ";
-  return fmt::format("  {}{}{}{}", letter, option.name, option.value.empty() ? "" : " ", option.value);
-}
-
-// In the order in which the table names them first.
-std::vector<std::string_view> groups_of(const CommandLine& line) {
-  std::vector<std::string_view> groups;
-  for (const Option& option : line.options)
-    if (std::find(groups.begin(), groups.end(), option.group) == groups.end()) groups.push_back(option.group);
-  return groups;
+  return fmt::format("  {}{}{}{}", letter, option.name, option.value.empty() ? "" : " ", option.value.name);
 }
 
 }  // namespace
@@ -57,7 +50,7 @@ std::string help_text(const CommandLine& line) {
   }
   if (!line.operands.empty()) text += '\n';
   for (const Operand& operand : line.operands) {
-    text += entry(fmt::format("  {}", operand.name), operand.help);
+    text += entry(fmt::format("  {}", operand.value.name), operand.help);
   }
   for (const std::string_view group : groups_of(line)) {
     text += fmt::format("\n{}:\n", group);

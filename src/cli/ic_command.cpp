@@ -12,6 +12,7 @@
 #include "ic_summary.h"
 #include "outcome.h"
 #include "shared_rows.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
@@ -40,7 +41,7 @@ class IcCommand : public Command {
             "Writes the volume fractions of a triangle file's solid onto the mesh of an\n"
             "OpenFOAM case: the initial condition of a two-phase simulation.",
             {"burnish ic IN --case CASE [--field NAME] [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -60,28 +61,28 @@ class IcCommand : public Command {
   std::vector<Option> option_table() {
     CleanOptions& o = job_.options;
     return {
-        {"--case", 0, "CASE", "Case", "The folder of the OpenFOAM case.", store_text(job_.case_folder)},
+        {"--case", 0, folder("CASE"), "Case", "The folder of the OpenFOAM case.", store_text(job_.case_folder)},
         {"--field", 0, "NAME", "Case", "Name of the field; alpha.water when not given.", [this](const GivenValue& v) { job_.field = field_name(v); }},
         {"--also-phi", 0, "NAME", "Case", "Write the signed distance from the surface, too, positive in the phase.", [this](const GivenValue& v) { job_.phi = field_name(v); }},
         {"--patch-value", 0, "NAME=V,...", "Case", "Fixed values of the field on patches.", [this](const GivenValue& v) { job_.patch_values = patch_values(v); }},
-        {"--time", 0, "T", "Case", "The time folder; when not given, what the case starts from.", [this](const GivenValue& v) { job_.time = non_negative_number(v); }},
+        {"--time", 0, number("T"), "Case", "The time folder; when not given, what the case starts from.", [this](const GivenValue& v) { job_.time = non_negative_number(v); }},
         {"--region", 0, "NAME", "Case", "The mesh of a region, if the case has several.", [this](const GivenValue& v) { job_.region = field_name(v); }},
         {"--overwrite", 0, "", "Case", "Replace the values of a field that exists already.", switch_on(job_.overwrite)},
         {"--dry-run", 0, "", "Case", "Compute and report, and write nothing.", switch_on(job_.dry_run)},
         {"--json", 0, "", "Case", "Print the result as JSON.", switch_on(json_)},
         {"--invert", 0, "", "Fractions", "The phase is outside the model: 1 there, and 0 inside.", switch_on(job_.invert)},
-        {"--method", 0, "M", "Fractions",
+        {"--method", 0, word("M", {"auto", "exact", "linear", "curved"}), "Fractions",
          "'exact' (as 'auto', the default): facets clipped to cells; 'linear' and 'curved': of a level set, for comparison.",
-         [this](const GivenValue& v) { job_.method = one_of<FractionMethod>(v, {"auto", "exact", "linear", "curved"}); }},
-        {"--scale", 0, "S", "Fractions", "Multiply the model's coordinates by S, such as 0.001 from millimetres to metres.",
+         [this](const GivenValue& v) { job_.method = one_of<FractionMethod>(v); }},
+        {"--scale", 0, number("S"), "Fractions", "Multiply the model's coordinates by S, such as 0.001 from millimetres to metres.",
          [this](const GivenValue& v) { job_.scale = positive_number(v); }},
-        {"--smooth", 0, "L", "Preparation", "Remove waves shorter than L first. The volume is kept.", [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
+        {"--smooth", 0, length("L"), "Preparation", "Remove waves shorter than L first. The volume is kept.", [&o](const GivenValue& v) { o.smooth = positive_length(v); }},
         nested_row("Preparation", o),
         gap_row("Preparation", o),
-        {"--max-hole", 0, "L", "Preparation", "Close holes up to a diameter of L only; what is open then is refused.", [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
-        {"--cell", 0, "L", "Preparation", "Side of a level set's cells: of --method linear and curved, or, with neither, one to rebuild the surface with.",
+        {"--max-hole", 0, length("L"), "Preparation", "Close holes up to a diameter of L only; what is open then is refused.", [&o](const GivenValue& v) { o.max_hole = length_without_cells(v); }},
+        {"--cell", 0, length("L", {"auto"}), "Preparation", "Side of a level set's cells: of --method linear and curved, or, with neither, one to rebuild the surface with.",
          [&o](const GivenValue& v) {
-           if (v.text != "auto") o.cell = length_without_cells(v);
+           if (!is_listed(v)) o.cell = length_without_cells(v);
          }},
         salvage_row("Preparation", job_.salvage),
         threads_row("Resources", threads_),

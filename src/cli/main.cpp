@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <new>
 
+#include "burnish/core/build_info.h"
 #include "burnish/pipeline/report.h"
 #include "commands.h"
 #include "report_error.h"
@@ -83,7 +84,7 @@ int run(Words words) {
   const CommandEntry& chosen = entry != nullptr ? *entry : commands().front();
   if (has_option(words, {"--help", "-h"})) return print_help(chosen);
   if (has_option(words, {"--version"})) {
-    write_stdout(fmt::format("burnish {}\n", BURNISH_VERSION));
+    write_stdout(has_option(words, {"--json"}) ? to_json(build_info()) : to_text(build_info()));
     return 0;
   }
   if (entry == nullptr) {

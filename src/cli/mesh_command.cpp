@@ -18,6 +18,7 @@
 #include "outcome.h"
 #include "report_file.h"
 #include "shared_rows.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
@@ -54,7 +55,7 @@ class MeshCommand : public Command {
             "simulation: mostly hexahedra, closed however dirty the file is, and checked as\n"
             "OpenFOAM's checkMesh does before it is written.",
             {"burnish mesh IN -o CASE [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -94,17 +95,17 @@ class MeshCommand : public Command {
 
   std::vector<Option> output_rows() {
     return {
-        {"--output", 'o', "PATH", "Output", "Where to write: the folder of an OpenFOAM case, or a .vtu (VTK), .msh (Gmsh), .su2 or .cgns file.", store_text(job_.output)},
+        {"--output", 'o', file("PATH", kMeshOutputs), "Output", "Where to write: the folder of an OpenFOAM case, or a .vtu (VTK), .msh (Gmsh), .su2 or .cgns file.", store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace a file, or the mesh of a case, that exists already.", switch_on(job_.write.overwrite)},
         {"--dry-run", 0, "", "Output", "Mesh and report, and write nothing.", switch_on(dry_run_)},
-        {"--scale", 0, "S", "Output", "Multiply what is written by S, such as 0.001 from millimetres to metres. All lengths given here stay the model's.",
+        {"--scale", 0, number("S"), "Output", "Multiply what is written by S, such as 0.001 from millimetres to metres. All lengths given here stay the model's.",
          [this](const GivenValue& v) { job_.scale = positive_number(v); }},
         {"--ascii", 0, "", "Output", "Write the files of a case as text, not in binary.", [this](const GivenValue&) { job_.write.foam.binary = false, of_case_ = "--ascii"; }},
         {"--compressed", 0, "", "Output", "Write the files of a case gzipped.", [this](const GivenValue&) { job_.write.foam.compressed = true, of_case_ = "--compressed"; }},
-        {"--msh-version", 0, "V", "Output", "Version of a .msh file: 4.1 (default) or 2.2.",
-         [this](const GivenValue& v) { job_.write.msh_version = place_among(v, {"4.1", "2.2"}) == 0 ? 41 : 22, msh_version_given_ = true; }},
-        {"--report", 0, "FILE", "Output", "Write a report of what was found and made, as JSON.", store_text(report_path_)},
-        {"--quality", 0, "FILE", "Output", "Write all checks of the mesh, and the cells that fail them, as JSON.", store_text(quality_path_)},
+        {"--msh-version", 0, word("V", {"4.1", "2.2"}), "Output", "Version of a .msh file: 4.1 (default) or 2.2.",
+         [this](const GivenValue& v) { job_.write.msh_version = place_among(v) == 0 ? 41 : 22, msh_version_given_ = true; }},
+        {"--report", 0, file("FILE", kReports), "Output", "Write a report of what was found and made, as JSON.", store_text(report_path_)},
+        {"--quality", 0, file("FILE", kReports), "Output", "Write all checks of the mesh, and the cells that fail them, as JSON.", store_text(quality_path_)},
         {"--json", 0, "", "Output", "Print the report on standard output instead of the table.", switch_on(json_)},
     };
   }
@@ -113,7 +114,7 @@ class MeshCommand : public Command {
     return {
         {"--inside", 0, "", "Domain", "Mesh what is inside of the model (default).", switch_on(inside_)},
         {"--outside", 0, "", "Domain", "Mesh what is around it, in a box.", [this](const GivenValue&) { job_.side = MeshSide::outside; }},
-        {"--domain", 0, "D", "Domain",
+        {"--domain", 0, length("D"), "Domain",
          "With --outside, that box: a margin around the model, such as 20 or 300%, or xmin,ymin,zmin,xmax,ymax,zmax. The longest side around when not given.",
          [this](const GivenValue& v) { set_domain(v); }},
     };
@@ -121,45 +122,45 @@ class MeshCommand : public Command {
 
   std::vector<Option> cell_rows() {
     return {
-        {"--cell", 0, "L", "Cells", "Side of the finest cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
+        {"--cell", 0, length("L"), "Cells", "Side of the finest cells at the surface, such as 0.5 or 0.2%. A hundredth of the longest side when not given.",
          [this](const GivenValue& v) { job_.cell = length_without_cells(v); }},
-        {"--cells", 0, "N", "Cells", "Choose the side so that there are about N cells, such as 200000, 200k or 2M.", [this](const GivenValue& v) { job_.cells = cell_count(v); }},
+        {"--cells", 0, count("N"), "Cells", "Choose the side so that there are about N cells, such as 200000, 200k or 2M.", [this](const GivenValue& v) { job_.cells = cell_count(v); }},
         {"--refine", 0, "BOX:L", "Cells", "No larger cells than L where they meet a box xmin,ymin,zmin,xmax,ymax,zmax. May be repeated.", [this](const GivenValue& v) { add_refinement(v); }, true},
-        {"--coarsest", 0, "N", "Cells", "Away from the surface, cells are up to 2^N times as large (0 to 10; default 4).",
+        {"--coarsest", 0, count("N"), "Cells", "Away from the surface, cells are up to 2^N times as large (0 to 10; default 4).",
          [this](const GivenValue& v) { job_.coarsest_level = static_cast<int>(integer_within(v, 0, 10)); }},
-        {"--flat-levels", 0, "N", "Cells", "Where the surface is flat, its cells are up to 2^N times as large (0 to 4; default 1).",
+        {"--flat-levels", 0, count("N"), "Cells", "Where the surface is flat, its cells are up to 2^N times as large (0 to 4; default 1).",
          [this](const GivenValue& v) { job_.flat_levels = static_cast<int>(integer_within(v, 0, 4)); }},
-        {"--flat-angle", 0, "ANGLE", "Cells", "Flat is where normals turn by less than ANGLE degrees within a cell's length around a cell (default 45).",
+        {"--flat-angle", 0, number("ANGLE"), "Cells", "Flat is where normals turn by less than ANGLE degrees within a cell's length around a cell (default 45).",
          [this](const GivenValue& v) { job_.flat_angle = flat_angle(v); }},
-        {"--rows", 0, "N", "Cells", "Rows of cells of one size before the next larger one (1 to 20; default 2).",
+        {"--rows", 0, count("N"), "Cells", "Rows of cells of one size before the next larger one (1 to 20; default 2).",
          [this](const GivenValue& v) { job_.cells_between_levels = static_cast<int>(integer_within(v, 1, 20)); }},
-        {"--flavour", 0, "F", "Cells", "'conforming' (default): any solver reads it; 'polyhedral': fewer cells, hexahedra with split faces, for OpenFOAM and VTK.",
-         [this](const GivenValue& v) { job_.flavour = one_of<MeshFlavour>(v, {"conforming", "polyhedral"}); }},
-        {"--crease", 0, "ANGLE", "Cells", "Edges of more than ANGLE degrees are edges of the mesh; 40 when not given, none with 180.", [this](const GivenValue& v) { set_crease_angle(v); }},
+        {"--flavour", 0, word("F", {"conforming", "polyhedral"}), "Cells", "'conforming' (default): any solver reads it; 'polyhedral': fewer cells, hexahedra with split faces, for OpenFOAM and VTK.",
+         [this](const GivenValue& v) { job_.flavour = one_of<MeshFlavour>(v); }},
+        {"--crease", 0, number("ANGLE"), "Cells", "Edges of more than ANGLE degrees are edges of the mesh; 40 when not given, none with 180.", [this](const GivenValue& v) { set_crease_angle(v); }},
     };
   }
 
   std::vector<Option> layer_rows() {
     return {
-        {"--layers", 0, "N", "Layers", "N layers of flat cells at the wall (1 to 20).", [this](const GivenValue& v) { job_.layers.count = static_cast<int>(integer_within(v, 1, 20)); }},
-        {"--first", 0, "H", "Layers", "Height of the cells at the wall, such as 0.01, 0.05% or 0.1h (h: --cell). When not given, all layers together are half a cell thick.",
+        {"--layers", 0, count("N"), "Layers", "N layers of flat cells at the wall (1 to 20).", [this](const GivenValue& v) { job_.layers.count = static_cast<int>(integer_within(v, 1, 20)); }},
+        {"--first", 0, length("H"), "Layers", "Height of the cells at the wall, such as 0.01, 0.05% or 0.1h (h: --cell). When not given, all layers together are half a cell thick.",
          [this](const GivenValue& v) { job_.layers.first = positive_length(v), of_layers_ = v.name; }},
-        {"--ratio", 0, "R", "Layers", "Each layer is R times as high as the one before it (1 to 2; default 1.2).", [this](const GivenValue& v) { set_layer_ratio(v); }},
+        {"--ratio", 0, number("R"), "Layers", "Each layer is R times as high as the one before it (1 to 2; default 1.2).", [this](const GivenValue& v) { set_layer_ratio(v); }},
     };
   }
 
   std::vector<Option> patch_rows() {
     return {
-        {"--patches", 0, "P", "Patches", "'solid' (default): one for each solid or group of the file; 'one' for all.",
-         [this](const GivenValue& v) { job_.one_patch = place_among(v, {"solid", "one"}) == 1; }},
-        {"--patch-type", 0, "NAME=T,...", "Patches", "Types of patches: wall, patch or symmetry. The model's are walls, the domain's are patches.", [this](const GivenValue& v) { set_patch_types(v); }},
+        {"--patches", 0, word("P", {"solid", "one"}), "Patches", "'solid' (default): one for each solid or group of the file; 'one' for all.",
+         [this](const GivenValue& v) { job_.one_patch = place_among(v) == 1; }},
+        {"--patch-type", 0, named_word("NAME=T,...", {"wall", "patch", "symmetry"}), "Patches", "Types of patches: wall, patch or symmetry. The model's are walls, the domain's are patches.", [this](const GivenValue& v) { set_patch_types(v); }},
     };
   }
 
   std::vector<Option> other_rows() {
     CleanOptions& o = job_.options;
     return {
-        {"--repair-cell", 0, "L", "Repair", "Rebuild the surface by a level set with cells of L. When one is needed and L is not given: half the mesh's cell.",
+        {"--repair-cell", 0, length("L"), "Repair", "Rebuild the surface by a level set with cells of L. When one is needed and L is not given: half the mesh's cell.",
          [&o](const GivenValue& v) { o.cell = length_without_cells(v); }},
         salvage_row("Broken files", job_.salvage),
         {"--allow-invalid", 0, "", "Broken files", "Write the mesh even if it does not pass checkMesh. The exit code is still 5.", switch_on(job_.allow_invalid)},
@@ -213,7 +214,7 @@ class MeshCommand : public Command {
 
   void set_patch_types(const GivenValue& v) {
     for (const auto& [name, type] : named_values(v, "inlet=patch,hub=wall")) {
-      static_cast<void>(place_among({v.name, type}, {"wall", "patch", "symmetry"}));
+      static_cast<void>(place_among({v.name, type, v.words}));
       job_.patch_types.emplace_back(name, type);
     }
   }

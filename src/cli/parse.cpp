@@ -79,25 +79,26 @@ class Parser {
 
   std::string_view value_of(const Option& option, std::string_view name) {
     if (next_ < arguments_.size() && !looks_like_option(arguments_[next_])) return arguments_[next_++];
-    if (next_ == arguments_.size()) refuse(fmt::format("{} needs a value: {}", name, option.value), "");
-    refuse(fmt::format("{} needs a value: {}, found the option '{}'", name, option.value, arguments_[next_]),
+    if (next_ == arguments_.size()) refuse(fmt::format("{} needs a value: {}", name, option.value.name), "");
+    refuse(fmt::format("{} needs a value: {}, found the option '{}'", name, option.value.name, arguments_[next_]),
            fmt::format("a value that begins with a dash is given as {}={}", option.name, arguments_[next_]));
   }
 
   void apply(const Option& option, std::string_view value) {
     const bool first = seen_.insert(option.name).second;
     if (!first && !option.value.empty() && !option.repeatable) refuse(fmt::format("{} is given twice", option.name), "leave one of the two out");
-    option.set({option.name, value});
+    option.set({option.name, value, option.value.words});
   }
 
   void set_operands() {
     if (operands_.size() > line_.operands.size()) refuse_surplus_operand();
     if (operands_.size() < line_.operands.size()) {
-      refuse(fmt::format("{} is missing", line_.operands[operands_.size()].name),
+      refuse(fmt::format("{} is missing", line_.operands[operands_.size()].value.name),
              fmt::format("the usage is: {}", line_.usage.front()));
     }
     for (std::size_t i = 0; i < operands_.size(); ++i) {
-      line_.operands[i].set({line_.operands[i].name, operands_[i]});
+      const Operand& operand = line_.operands[i];
+      operand.set({operand.value.name, operands_[i], operand.value.words});
     }
   }
 

@@ -14,6 +14,7 @@
 #include "report_file.h"
 #include "shared_rows.h"
 #include "streams.h"
+#include "suffixes.h"
 #include "values.h"
 
 namespace burnish {
@@ -37,7 +38,7 @@ class SweepCommand : public Command {
     return {"sweep",
             "Repairs a triangle file once and smooths it at several strengths.",
             {"burnish sweep IN --smooth L,L,... -o OUT-{}.stl [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -58,16 +59,16 @@ class SweepCommand : public Command {
  private:
   std::vector<Option> option_table() {
     std::vector<Option> table = {
-        {"--output", 'o', "PATTERN", "Output", "Where to write: a name with {} in it, which each length takes the place of.", store_text(pattern_)},
+        {"--output", 'o', file("PATTERN", kSurfaceOutputs), "Output", "Where to write: a name with {} in it, which each length takes the place of.", store_text(pattern_)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
-        {"--report", 0, "FILE", "Output", "Write the runs' reports as a JSON array.", store_text(report_path_)},
+        {"--report", 0, file("FILE", kReports), "Output", "Write the runs' reports as a JSON array.", store_text(report_path_)},
         {"--json", 0, "", "Output", "Print them on standard output instead of the table.", switch_on(json_)},
         salvage_row("Broken files", job_.salvage),
         {"--allow-invalid", 0, "", "Broken files", "Write results even if they could not be verified. The exit code is still 5.",
          switch_on(job_.allow_invalid)},
-        {"--threads", 0, "N", "Resources", "Use at most N threads. The results do not depend on it.",
+        {"--threads", 0, count("N"), "Resources", "Use at most N threads. The results do not depend on it.",
          [this](const GivenValue& v) { threads_ = static_cast<int>(integer_within(v, 1, 4096)); }},
-        {"--time-limit", 0, "S", "Resources", "End the run after S seconds, with exit code 7; what was verified by then stays.",
+        {"--time-limit", 0, number("S"), "Resources", "End the run after S seconds, with exit code 7; what was verified by then stays.",
          [this](const GivenValue& v) { time_limit_ = positive_number(v); }},
         quiet_row("Messages", quiet_),
         help_row("Messages"),

@@ -62,9 +62,9 @@ std::size_t place_among(const GivenValue& given, const std::vector<std::string>&
   refuse(given, fmt::format("expected one of {}", fmt::join(words, ", ")), near ? fmt::format("did you mean '{}'?", *near) : std::string());
 }
 
-RedistanceMethod redistance_method(const GivenValue& given) {
-  return one_of<RedistanceMethod>(given, {"closest", "fmm", "pde-weno5", "pde-first"});
-}
+std::size_t place_among(const GivenValue& given) { return place_among(given, {given.words.begin(), given.words.end()}); }
+
+bool is_listed(const GivenValue& given) { return std::find(given.words.begin(), given.words.end(), given.text) != given.words.end(); }
 
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most) {
   std::uint64_t value = 0;
@@ -137,6 +137,8 @@ std::vector<std::pair<std::string, std::string_view>> named_values(const GivenVa
   }
   return values;
 }
+
+Value redistance_methods(std::string_view name) { return word(name, {"closest", "fmm", "pde-weno5", "pde-first"}); }
 
 Setter switch_on(bool& flag) {
   return [&flag](const GivenValue&) { flag = true; };

@@ -24,14 +24,20 @@ Length positive_length(const GivenValue& given);
 Length length_without_cells(const GivenValue& given);
 // A volume not below zero, in the model's units or in percent of the largest component's.
 VolumeLimit volume_limit(const GivenValue& given);
-// The number of the word among `words`; an enumerator of T, whose order is theirs.
+// The number of the word among those that the row lists; an enumerator of T, whose order is theirs.
+std::size_t place_among(const GivenValue& given);
+template <class T>
+T one_of(const GivenValue& given) {
+  return static_cast<T>(place_among(given));
+}
+// The same with words that the row does not list.
 std::size_t place_among(const GivenValue& given, const std::vector<std::string>& words);
 template <class T>
 T one_of(const GivenValue& given, const std::vector<std::string>& words) {
   return static_cast<T>(place_among(given, words));
 }
-// closest, fmm, pde-weno5 or pde-first.
-RedistanceMethod redistance_method(const GivenValue& given);
+// Whether it is a word that the row lists, such as the 'auto' of a length.
+bool is_listed(const GivenValue& given);
 // A whole number within [least, most].
 std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::uint64_t most);
 // A finite number.
@@ -48,6 +54,9 @@ Box3 box_of(const GivenValue& given);
 std::vector<std::string_view> parts_of(std::string_view list);
 // NAME=V,NAME=V: names and the texts of values. `example` is for the hint.
 std::vector<std::pair<std::string, std::string_view>> named_values(const GivenValue& given, std::string_view example);
+
+// What `--redistance` takes: closest, fmm, pde-weno5 and pde-first, in the order of RedistanceMethod.
+Value redistance_methods(std::string_view name);
 
 // Setters that only store.
 Setter switch_on(bool& flag);

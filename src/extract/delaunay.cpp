@@ -78,6 +78,7 @@ class Extraction {
     Mesh mesh;
     mesh.made = mesh_surface(field_, request, [&](const std::vector<std::pair<Vec3, double>>& balls) {
       std::vector<SeedFreeBall> free_of;
+      free_of.reserve(balls.size());
       for (const auto& [center, radius] : balls) free_of.push_back({center, radius + kSeedsFromBalls * share * options_.edge});
       return spread_seeds(surface_, spacing, free_of, field_);
     });

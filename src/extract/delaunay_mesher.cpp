@@ -124,6 +124,7 @@ std::vector<std::pair<Vec3, double>> balls_of(const Complex& complex) {
 // Along a space-filling curve, so that each is near to the one before it.
 void insert_seeds(const std::vector<Vec3>& seeds, const Domain& domain, Complex& complex) {
   std::vector<Kernel::Point_3> points;
+  points.reserve(seeds.size());
   for (const Vec3& p : seeds) points.push_back(to_cgal(p));
   std::vector<std::size_t> order(points.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

@@ -166,7 +166,7 @@ class Extractor {
   // Which vertices each owner's nodes have: a bit per edge upwards that the surface crosses, bit 7 for a moved node.
   std::uint16_t number_vertices(std::size_t slot, const LatticeView& view) {
     std::uint8_t* masks = masks_.data() + slot * kBlockNodes;
-    for (std::uint8_t d = 0; d < kEdgeSteps.size(); ++d)
+    for (std::size_t d = 0; d < kEdgeSteps.size(); ++d)
       for_set_bits([&](int y, int z) { return rows_[slot].crossed(y, z, kEdgeSteps[d]); },
                    [&](std::size_t n) { masks[n] |= static_cast<std::uint8_t>(1u << d); });
     std::uint16_t rank = 0;

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <limits>
+#include <utility>
 
 #include "burnish/io/foam_case.h"
 #include "foam_file.h"
@@ -61,7 +62,8 @@ std::string mesh_file(const std::string& folder, const std::string& time, const 
   double latest = -1;
   for (const std::string& t : time_folders(folder)) {
     const double value = *whole_number(t);
-    if (value <= *until && value > latest && FoamFile::exists(folder + "/" + t + sub)) best = folder + "/" + t + sub, latest = value;
+    if (std::string found = fmt::format("{}/{}{}", folder, t, sub); value <= *until && value > latest && FoamFile::exists(found))
+      best = std::move(found), latest = value;
   }
   return best;
 }

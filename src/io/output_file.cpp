@@ -105,7 +105,7 @@ int rename_new(const char* from, const char* to) {
 
 }  // namespace
 
-OutputFile::OutputFile(std::string destination, bool overwrite)
+OutputFile::OutputFile(const std::string& destination, bool overwrite)
     : destination_(checked_destination(destination, overwrite)), overwrite_(overwrite) {
   std::random_device random;
   do {

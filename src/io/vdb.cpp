@@ -71,7 +71,7 @@ void add_blocks(const VdbSource& source, float background, FloatTree& tree, Prog
 
 FloatGrid::Ptr grid_of(const VdbSource& source, Progress& progress) {
   const auto background = static_cast<float>(source.half_width * source.voxel);
-  const FloatGrid::Ptr grid = FloatGrid::create(background);
+  FloatGrid::Ptr grid = FloatGrid::create(background);
   grid->setName(source.name);
   grid->setGridClass(openvdb::GRID_LEVEL_SET);
   auto transform = openvdb::math::Transform::createLinearTransform(source.voxel);

@@ -59,7 +59,7 @@ std::vector<std::string> later_meshes(const std::string& case_folder) {
   std::vector<std::string> folders;
   std::error_code ignored;
   for (const std::string& time : time_folders(case_folder))
-    if (const std::string folder = case_folder + "/" + time + "/polyMesh"; fs::is_directory(folder, ignored)) folders.push_back(folder);
+    if (std::string folder = fmt::format("{}/{}/polyMesh", case_folder, time); fs::is_directory(folder, ignored)) folders.push_back(std::move(folder));
   return folders;
 }
 

@@ -90,11 +90,11 @@ class Inflater {
   bool ended_ = false;
 };
 
-constexpr std::array<std::int8_t, 256> base64_digits() {
-  std::array<std::int8_t, 256> digits{};
+constexpr std::array<int, 256> base64_digits() {
+  std::array<int, 256> digits{};
   digits.fill(-1);
   constexpr std::string_view kDigits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  for (std::size_t i = 0; i < kDigits.size(); ++i) digits[static_cast<unsigned char>(kDigits[i])] = static_cast<std::int8_t>(i);
+  for (std::size_t i = 0; i < kDigits.size(); ++i) digits[static_cast<unsigned char>(kDigits[i])] = static_cast<int>(i);
   return digits;
 }
 
@@ -186,7 +186,7 @@ void read_words(const Source& source, std::string_view text, std::span<float> to
 }
 
 std::string decode_base64(std::string_view text, std::size_t most) {
-  static constexpr std::array<std::int8_t, 256> kDigits = base64_digits();
+  static constexpr std::array<int, 256> kDigits = base64_digits();
   std::string bytes;
   bytes.reserve(std::min(most, text.size() / 4 * 3 + 3));
   std::uint32_t bits = 0;

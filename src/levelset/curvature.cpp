@@ -225,7 +225,8 @@ class FrontCurvatures {
 
 double curvature_band(CurvatureOrder order) {
   // The farthest corner of a stencil around the foot's cell, with some room for how a surface bends.
-  return points_of(static_cast<int>(order)) / 2 * std::numbers::sqrt3 + 0.5;
+  const int reach = points_of(static_cast<int>(order)) / 2;
+  return reach * std::numbers::sqrt3 + 0.5;
 }
 
 template <class T>

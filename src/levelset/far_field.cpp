@@ -52,6 +52,7 @@ void thin_out(const TriangleSoup& soup, const Octree& tree, std::size_t leaf, st
   sort_each_once(candidates);
   if (candidates.size() <= kMostCandidates) return;
   std::vector<Ball> balls;
+  balls.reserve(candidates.size());
   for (const std::uint32_t f : candidates) balls.push_back(ball_around(soup, f));
   std::vector<std::pair<double, std::uint32_t>> nearest(candidates.size());
   std::vector<std::uint32_t> kept;

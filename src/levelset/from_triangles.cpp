@@ -150,6 +150,7 @@ SurfaceOctree grow_graded(const TriangleSoup& lattice_soup, int depth, const Lev
   if (options.adaptivity.tolerance)
     criteria.push_back(distance_error(lattice_soup, {.tolerance = *options.adaptivity.tolerance, .coarsest_level = coarsest, .band = options.band}));
   std::vector<const RefinementCriterion*> asked;
+  asked.reserve(criteria.size());
   for (const auto& criterion : criteria) asked.push_back(criterion.get());
   AdaptiveGrowth growth = grow_adaptive(lattice_soup, depth, {kBlockSide, coarsest, options.band}, asked, progress);
   statistics = std::move(growth.statistics);

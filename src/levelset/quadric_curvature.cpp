@@ -69,7 +69,8 @@ OsculatingParaboloid fit_around(const double* phi, const Vec3& x) {
   const Vec3 across = cross(axis, n), u = across / norm(across), v = cross(n, u);
   std::array<Vec3, std::size_t{kAcross} * kAcross> points;
   for (int i = 0; i < kAcross * kAcross; ++i) {
-    const double a = kSpacing * (i % kAcross - kAcross / 2), b = kSpacing * (i / kAcross - kAcross / 2);
+    const int row = i / kAcross - kAcross / 2, column = i % kAcross - kAcross / 2;
+    const double a = kSpacing * column, b = kSpacing * row;
     Vec3& p = points[static_cast<std::size_t>(i)];
     p = foot + u * a + v * b;
     if (!find_height(phi, n, p)) return {};

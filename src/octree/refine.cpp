@@ -308,6 +308,7 @@ AdaptiveGrowth grow_cells_counted(const TriangleSoup& soup, const GridFrame& fra
   parallel_for(lattice.points.size(), [&](std::size_t i) { lattice.points[i] = frame.to_lattice(lattice.points[i]); });
   const auto criteria = criteria_of(limits);
   std::vector<const RefinementCriterion*> asked;
+  asked.reserve(criteria.size());
   for (const auto& criterion : criteria) asked.push_back(criterion.get());
   return grow_adaptive(lattice, depth, {1, limits.coarsest_level, limits.band}, asked, progress);
 }

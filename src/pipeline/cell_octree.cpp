@@ -30,6 +30,7 @@ int coarsest_level(double widest, double cell) {
 AdaptiveGrowth grow_within(std::uint64_t memory_bytes, const TriangleSoup& lattice_soup, int depth, const RefinementLimits& limits, Progress& progress) {
   const auto criteria = criteria_of(limits);
   std::vector<const RefinementCriterion*> asked;
+  asked.reserve(criteria.size());
   for (const auto& criterion : criteria) asked.push_back(criterion.get());
   return grow_adaptive(lattice_soup, depth, {.cells_per_side = 1, .coarsest_level = limits.coarsest_level, .band = 0, .memory_bytes = memory_bytes},
                        asked, progress);

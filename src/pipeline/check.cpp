@@ -8,6 +8,7 @@
 #include "burnish/io/output_file.h"
 #include "burnish/surface/weld.h"
 #include "defect_cells.h"
+#include "read_input.h"
 
 namespace burnish {
 namespace {
@@ -38,6 +39,25 @@ TriangleSoup read_welded(const CheckJob& job, CheckResult& result, Progress& pro
   return weld(std::move(file.soup));
 }
 
+// What was found, one by one.
+struct Found {
+  Inspection inspection;
+  DefectMap map;
+};
+
+Found look_at(const TriangleSoup& welded, CheckResult& result, Progress& progress) {
+  Found found;
+  progress.begin_stage("inspecting");
+  found.inspection = inspect(welded, {.elements = true, .max_collected_pairs = kMaxSelfIntersections}, progress);
+  result.defects = found.inspection.defects;
+  result.valid_solid = result.defects.valid_solid();
+  progress.check();
+  progress.begin_stage("locating");
+  found.map = locate_defects(welded, found.inspection);
+  progress.check();
+  return found;
+}
+
 }  // namespace
 
 CheckResult check(const CheckJob& job, Progress& progress) {
@@ -47,22 +67,22 @@ CheckResult check(const CheckJob& job, Progress& progress) {
   if (!job.defects_output.empty()) output.emplace(job.defects_output, job.overwrite);
   const TriangleSoup soup = read_welded(job, result, progress);
   progress.check();
-
-  progress.begin_stage("inspecting");
-  const Inspection inspection =
-      inspect(soup, {.elements = true, .max_collected_pairs = kMaxSelfIntersections}, progress);
-  result.defects = inspection.defects;
-  result.valid_solid = result.defects.valid_solid();
-  progress.check();
-
-  progress.begin_stage("locating");
-  DefectMap map = locate_defects(soup, inspection);
-  progress.check();
+  Found found = look_at(soup, result, progress);
   if (output) {
     progress.begin_stage("writing defects");
-    output->write(defect_cells(soup, inspection.elements, map));
+    output->write(defect_cells(soup, found.inspection.elements, found.map));
   }
-  result.locations = std::move(map.defects);
+  result.locations = std::move(found.map.defects);
+  return result;
+}
+
+CheckResult check(TriangleSoup soup, Progress& progress) {
+  CheckResult result;
+  result.input = result.input_format = kInMemory;
+  progress.begin_stage("welding");
+  soup = weld(std::move(soup));
+  progress.check();
+  result.locations = look_at(soup, result, progress).map.defects;
   return result;
 }
 

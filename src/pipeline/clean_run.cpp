@@ -8,7 +8,6 @@
 
 #include "burnish/surface/remesh.h"
 #include "burnish/surface/simplify.h"
-#include "burnish/surface/transfer.h"
 #include "burnish/surface/weld.h"
 #include "losses.h"
 #include "read_input.h"
@@ -55,12 +54,21 @@ CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<Cl
 void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
   output_ = std::move(output);
   report_.output = job_.output;
-  report_.output_format = name(output_->format());
+  report_.output_format = output_->format_name();
 }
 
 bool CleanRun::open(std::unique_ptr<CleanedOutput> output) {
   read();
-  take_output(output ? std::move(output) : std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+  return begin_with(output ? std::move(output) : std::make_unique<CleanedOutput>(job_.output, job_.overwrite));
+}
+
+bool CleanRun::open(TriangleSoup input, std::unique_ptr<CleanedOutput> output) {
+  take(std::move(input), job_.options);
+  return begin_with(std::move(output));
+}
+
+bool CleanRun::begin_with(std::unique_ptr<CleanedOutput> output) {
+  take_output(std::move(output));
   if (!job_.options.region.empty()) region_ = std::make_shared<const Region>(job_.options.region, report_.recentred_by);
   return prepare(job_.options);
 }
@@ -89,13 +97,6 @@ void CleanRun::run() {
     report_.warnings.push_back("--crease has no effect: the facets stay as they are");
   validate_result();
   publish();
-}
-
-RepairReport CleanRun::take_report() {
-  if (plan_.denoises()) report_.options.smooth = plan_.length;
-  clock_.end();
-  report_.stages = clock_.stages();
-  return std::move(report_);
 }
 
 void CleanRun::share_level_set(const std::vector<Length>& strengths) {
@@ -172,7 +173,7 @@ bool CleanRun::is_fine_as_it_is() const {
 bool CleanRun::try_local(std::string& why_not) {
   begin("repairing locally");
   const bool fine = is_fine_as_it_is();
-  std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, {.max_hole = {}, .float32 = stores_float32(output_->format())}, report_, progress_, why_not);
+  std::optional<LocalSolution> solution = fine ? unchanged(input_) : solve_locally(input_, prepared_, {.max_hole = {}, .float32 = output_->stores_float32()}, report_, progress_, why_not);
   if (!solution || !verify_local(*solution, why_not)) return false;
   begin("measuring");
   why_not = objection_to(*solution, result_, input_, prepared_, local_tolerance(), report_);
@@ -188,7 +189,7 @@ bool CleanRun::try_local(std::string& why_not) {
 bool CleanRun::try_denoised(std::string& why_not) {
   begin("smoothing");
   std::optional<DenoisedSolution> solution =
-      solve_denoised(input_, prepared_, plan_, is_fine_as_it_is(), stores_float32(output_->format()), local_tolerance(), report_, progress_, why_not);
+      solve_denoised(input_, prepared_, plan_, is_fine_as_it_is(), output_->stores_float32(), local_tolerance(), report_, progress_, why_not);
   if (!solution || !verify_local(solution->solution, why_not)) return false;
   begin("measuring");
   why_not = objection_to_mending(*solution, result_, local_tolerance() + report_.smoothing.max_moved, report_);
@@ -320,8 +321,8 @@ void CleanRun::extract(const BuiltLevelSet& built) {
   begin("extracting and verifying");
   CleanedOutput::Finish finish;
   if (report_.options.max_hole && !job_.options.thicken)
-    finish = [&](TriangleSoup surface) { return without_kept_caps(surface, prepared_, report_.options); };
-  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), stores_float32(output_->format()), report_, progress_);
+    finish = [&](const TriangleSoup& surface) { return without_kept_caps(surface, prepared_, report_.options); };
+  SurfaceMaker maker(built.level_set, prepared_, reference_for(built), output_->stores_float32(), report_, progress_);
   report_.after = output_->write_verified(maker, built.level_set.frame, finish, progress_).defects;
   if (!finish) {
     report_.surface.topology.wanted_components = maker.wanted_topology().components;
@@ -466,29 +467,6 @@ void CleanRun::compare_topology() {
                           fmt::format("the result has {} components and genus {}; the level set has {} and {}", told.components, told.genus.value_or(-1),
                                       *told.wanted_components, *told.wanted_genus),
                           "try --surface tetrahedra, or another --cell; --allow-invalid writes the result as it is");
-}
-
-void CleanRun::publish() {
-  if (report_.failure && !job_.allow_invalid) return;
-  if (report_.after.facets == 0 || output_->is_scratch()) return;
-  begin("writing");
-  if (!input_.groups.empty() || !input_.colors.empty()) {
-    name_result();
-    output_->write_and_read_back(result_);
-  }
-  output_->publish();
-  report_.written = true;
-}
-
-TriangleSoup CleanRun::take_named_result() {
-  name_result();
-  return take_result();
-}
-
-void CleanRun::name_result() {
-  if (input_.groups.empty() && input_.colors.empty()) return;
-  const bool all_known = !sources_.empty() && std::find(sources_.begin(), sources_.end(), kNoFacet) == sources_.end();
-  transfer_attributes(input_, TriangleIndex(all_known ? TriangleSoup{} : input_), result_, sources_);
 }
 
 }  // namespace burnish

@@ -27,6 +27,8 @@ class CleanRun : private SolidRun {
 
   // Reads the input, creates the output's temporary file (unless `output` is given), and prepares the input. False if it bounds no solid: the report says why.
   bool open(std::unique_ptr<CleanedOutput> output = nullptr);
+  // The same of a surface that is in memory already.
+  bool open(TriangleSoup input, std::unique_ptr<CleanedOutput> output);
   // Builds a level set that smoothing by any of these lengths can start from, if the level set is to be smoothed: cells are those of the shortest
   // length, the band and the room those of the longest.
   void share_level_set(const std::vector<Length>& strengths);
@@ -37,6 +39,8 @@ class CleanRun : private SolidRun {
   TriangleSoup take_result() { return std::move(result_); }
   // The same with the names and colours of the input.
   TriangleSoup take_named_result();
+  // What `clean` would write, from an output that keeps it: take_named_result, or where there is nothing to name the points in the order of the file.
+  TriangleSoup take_written();
   // What was read, and what take_result gives. To be called after `run`, or after `open` has failed.
   CleanSurfaces take_surfaces() { return {std::move(input_), std::move(result_)}; }
   // To be called last.
@@ -44,6 +48,8 @@ class CleanRun : private SolidRun {
 
  private:
   void read();
+  // What `open` does behind reading.
+  bool begin_with(std::unique_ptr<CleanedOutput> output);
   void take_output(std::unique_ptr<CleanedOutput> output);
   // Coarsens a cell that was chosen until the longest length, too, fits the budget.
   void fit_cell_for(const Length& longest);

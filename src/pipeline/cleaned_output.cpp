@@ -4,12 +4,14 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <cmath>
 #include <cstdlib>
 #include <vector>
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/edge_table.h"
 #include "burnish/surface/weld.h"
+#include "read_input.h"
 
 namespace burnish {
 namespace {
@@ -42,6 +44,16 @@ std::vector<std::uint32_t> broken_facets(const TriangleSoup& welded, const Inspe
   return broken;
 }
 
+TriangleSoup rounded_to_float32(TriangleSoup soup) {
+  parallel_for(soup.points.size(), [&](std::size_t i) {
+    Vec3& p = soup.points[i];
+    p = {static_cast<float>(p.x), static_cast<float>(p.y), static_cast<float>(p.z)};
+    if (std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z)) return;
+    throw Error(ErrorCode::unwritable_output, fmt::format("point {} of the result is beyond the range of float32", i), "take double precision");
+  });
+  return soup;
+}
+
 }  // namespace
 
 CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : destination_(destination) {
@@ -51,19 +63,24 @@ CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : d
                                        overwrite || to_stdout);
 }
 
-CleanedOutput::CleanedOutput() {
-  options_.format = MeshFormat::ply_binary;
-  file_ = std::make_unique<OutputFile>(fmt::format("{}/burnish-surface-{}.ply", temporary_folder(), getpid()), true);
+CleanedOutput::CleanedOutput(Precision precision, bool keeps_written) : keeps_written_(keeps_written) {
+  options_.format = precision == Precision::float32 ? MeshFormat::stl_binary : MeshFormat::ply_binary;
 }
 
-void CleanedOutput::write(const TriangleSoup& soup) {
+std::string CleanedOutput::format_name() const { return is_in_memory() ? kInMemory : std::string(name(options_.format)); }
+
+TriangleSoup CleanedOutput::as_read_back(const TriangleSoup& soup) const {
+  if (is_in_memory()) return stores_float32() ? rounded_to_float32(soup) : soup;
   file_->truncate();
   write_mesh(file_->fd(), file_->destination(), soup, options_);
+  return read_mesh(file_->temporary_path()).soup;
 }
 
 const TriangleSoup& CleanedOutput::write_and_read_back(const TriangleSoup& soup) {
-  write(soup);
-  result_ = weld(read_mesh(file_->temporary_path()).soup);
+  TriangleSoup read = as_read_back(soup);
+  if (keeps_written_ && !stores_float32()) written_ = read;
+  result_ = weld(std::move(read));
+  if (keeps_written_ && stores_float32()) written_ = result_;
   return result_;
 }
 
@@ -76,7 +93,7 @@ Inspection CleanedOutput::write_verified(SurfaceMaker& maker, const GridFrame& f
     const Box3 box = bounding_box(model);
     const Vec3 largest = max(box.upper, box.lower * -1.0);
     const double step = std::max({largest.x, largest.y, largest.z}) * 0x1p-23;
-    float_steps_too_coarse_ = stores_float32(options_.format) && step > kFloatStepShare * frame.cell;
+    float_steps_too_coarse_ = stores_float32() && step > kFloatStepShare * frame.cell;
     const std::size_t facets = model.facets.size();
     if (finish) model = finish(std::move(model));
     const bool unfinished = model.facets.size() == facets;

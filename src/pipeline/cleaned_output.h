@@ -1,4 +1,4 @@
-// The result on its way out: written to a temporary, read back, verified, mended, published.
+// The result on its way out: written to a temporary (or rounded as a file would), read back, verified, mended, published.
 #pragma once
 
 #include <functional>
@@ -11,6 +11,7 @@
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
 #include "burnish/octree/grid_frame.h"
+#include "burnish/pipeline/clean.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/inspect.h"
 #include "surface_maker.h"
@@ -22,11 +23,13 @@ class CleanedOutput {
   // `destination` is a path or "-" (standard output, binary STL). Throws Error as OutputFile does, and Error{usage}
   // for a suffix that no format has.
   CleanedOutput(const std::string& destination, bool overwrite);
-  // A scratch file of double precision, which is never published.
-  CleanedOutput();
+  // Memory, which is never published: what a binary PLY of double precision, or a binary STL, would give back.
+  // `keeps_written`: for `take_written`.
+  explicit CleanedOutput(Precision precision, bool keeps_written = false);
 
-  MeshFormat format() const { return options_.format; }
-  bool is_scratch() const { return destination_.empty(); }
+  std::string format_name() const;
+  bool stores_float32() const { return burnish::stores_float32(options_.format); }
+  bool is_in_memory() const { return file_ == nullptr; }
 
   // What is done to a surface in model coordinates before it is written.
   using Finish = std::function<TriangleSoup(TriangleSoup)>;
@@ -42,6 +45,8 @@ class CleanedOutput {
   // The surface as read back from the temporary, welded.
   const TriangleSoup& result() const { return result_; }
   TriangleSoup take_result() { return std::move(result_); }
+  // The last surface as a file of this format would hold it: its points in the order in which they were written, those of an STL welded.
+  TriangleSoup take_written() { return std::move(written_); }
 
   // True if float32 coordinates of that size deform a surface of such cells visibly.
   bool float_steps_too_coarse() const { return float_steps_too_coarse_; }
@@ -53,12 +58,14 @@ class CleanedOutput {
   void publish();
 
  private:
-  void write(const TriangleSoup& soup);
+  TriangleSoup as_read_back(const TriangleSoup& soup) const;
 
   std::string destination_;
   MeshWriteOptions options_;
-  std::unique_ptr<OutputFile> file_;
+  std::unique_ptr<OutputFile> file_;  // none: memory
   TriangleSoup result_;
+  TriangleSoup written_;
+  bool keeps_written_ = false;
   bool float_steps_too_coarse_ = false;
 };
 

@@ -38,14 +38,8 @@ class DeviationOutput {
   OutputFile file_;
 };
 
-}  // namespace
-
-CompareResult compare_files(const CompareJob& job, Progress& progress) {
-  std::optional<DeviationOutput> output;
-  if (!job.output.empty()) output.emplace(job.output, job.overwrite);
-  std::optional<ErrorMap> map;
-  if (job.truth && !job.truth->map.empty()) map.emplace(job.truth->map, job.overwrite);
-  ComparedSide a(job.a, job.salvage, progress), b(job.b, job.salvage, progress);
+// Both ways.
+CompareResult measure(const CompareJob& job, ComparedSide& a, ComparedSide& b, Progress& progress) {
   CompareResult result;
   result.exact = job.exact;
   result.diagonal = a.file.measures.box.diagonal();
@@ -61,6 +55,45 @@ CompareResult compare_files(const CompareJob& job, Progress& progress) {
   QueryCounter counter(progress, "measuring", queries(a) + queries(b));
   result.a_to_b = one_sided_comparison(a.soup, b.soup, b.query(counter), options);
   result.b_to_a = one_sided_comparison(b.soup, a.soup, a.query(counter), options);
+  return result;
+}
+
+}  // namespace
+
+CompareResult compare_surfaces(TriangleSoup a, TriangleSoup b, const CompareJob& job, Progress& progress) {
+  ComparedSide first(std::move(a), progress), second(std::move(b), progress);
+  CompareResult result = measure(job, first, second, progress);
+  result.a = std::move(first.file);
+  result.b = std::move(second.file);
+  return result;
+}
+
+std::vector<double> signed_distances(TriangleSoup surface, const std::vector<Vec3>& points, bool exactly, Progress& progress) {
+  const TriangleSoup soup = weld(std::move(surface));
+  require_measurable(kInMemory, bounding_box(soup).diagonal());
+  const TriangleIndex index(soup);
+  progress.check();
+  const ExactDistance exact(soup, index);
+  QueryCounter counter(progress, "measuring", points.size());
+  const ClosestQuery closest = [&](const Vec3& p) -> ClosestPoint {
+    counter.count();
+    if (!exactly) {
+      const TriangleIndex::Closest c = index.closest(p);
+      return {c.point, c.squared_distance, c.facet};
+    }
+    const ExactDistance::Closest c = exact.closest(p);
+    return {c.point, c.squared_distance, c.facet};
+  };
+  return signed_deviation(points, soup, index, closest, side_rule(soup));
+}
+
+CompareResult compare_files(const CompareJob& job, Progress& progress) {
+  std::optional<DeviationOutput> output;
+  if (!job.output.empty()) output.emplace(job.output, job.overwrite);
+  std::optional<ErrorMap> map;
+  if (job.truth && !job.truth->map.empty()) map.emplace(job.truth->map, job.overwrite);
+  ComparedSide a(job.a, job.salvage, progress), b(job.b, job.salvage, progress);
+  CompareResult result = measure(job, a, b, progress);
   if (output) {
     output->write(a, b, progress);
     result.sign = b.rule;

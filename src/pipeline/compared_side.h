@@ -50,15 +50,14 @@ class ComparedSide {
     file.format = name(mesh.format);
     file.warnings = std::move(mesh.warnings);
     progress.check();
-    soup = weld(std::move(mesh.soup));
-    require_measurable(path, bounding_box(soup).diagonal());
-    progress.check();
-    file.measures = inspect(soup, {.self_intersections = false}, progress).defects;
-    rule = side_rule(soup);
-    if (rule == SideRule::winding_number)
-      file.volume = file.measures.volume;
-    else
-      file.no_volume_reason = reason_without_volume(file.measures);
+    take(std::move(mesh.soup), progress);
+  }
+
+  // A surface in memory, welded or not.
+  ComparedSide(TriangleSoup surface, Progress& progress) {
+    progress.begin_stage("welding");
+    file.file = file.format = kInMemory;
+    take(std::move(surface), progress);
   }
 
   void make_ready(bool exactly) {
@@ -85,6 +84,18 @@ class ComparedSide {
   std::unique_ptr<ExactDistance> exact;
 
  private:
+  void take(TriangleSoup surface, Progress& progress) {
+    soup = weld(std::move(surface));
+    require_measurable(file.file, bounding_box(soup).diagonal());
+    progress.check();
+    file.measures = inspect(soup, {.self_intersections = false}, progress).defects;
+    rule = side_rule(soup);
+    if (rule == SideRule::winding_number)
+      file.volume = file.measures.volume;
+    else
+      file.no_volume_reason = reason_without_volume(file.measures);
+  }
+
   static std::string reason_without_volume(const Defects& d) {
     if (d.open_edges > 0) return fmt::format("the surface is open: {} open edges", d.open_edges);
     return "the facets do not agree on what is outside";

@@ -85,9 +85,10 @@ void sample_block(const LevelSet& set, const FieldSamples& samples, const std::a
   }
   std::vector<Vec3> points(phi.size());
   std::vector<double> values(phi.size());
-  for (int n = 0; n < static_cast<int>(points.size()); ++n)
-    points[static_cast<std::size_t>(n)] = {static_cast<double>(corner[0] + n % kBlockSide), static_cast<double>(corner[1] + n / kBlockSide % kBlockSide),
-                                           static_cast<double>(corner[2] + n / kBlockSide / kBlockSide)};
+  for (int n = 0; n < static_cast<int>(points.size()); ++n) {
+    const int i = n % kBlockSide, j = n / kBlockSide % kBlockSide, k = n / kBlockSide / kBlockSide;
+    points[static_cast<std::size_t>(n)] = {static_cast<double>(corner[0] + i), static_cast<double>(corner[1] + j), static_cast<double>(corner[2] + k)};
+  }
   samples.at(points, values.data());
   std::transform(values.begin(), values.end(), phi.begin(), [&](double v) { return in_model_units(v, set.frame.cell, {}); });
 }
@@ -164,7 +165,8 @@ void FieldOutput::write(const SampleGrid& grid, const FieldSamples& samples, con
       std::array<Vec3, kGrain> points;
       std::array<double, kGrain> phi;
       for (std::size_t n = begin; n < end; ++n) {
-        const Vec3 node{static_cast<double>(n % row), static_cast<double>(n % layer / row), static_cast<double>(first + n / layer)};
+        const std::size_t i = n % row, j = n % layer / row, k = first + n / layer;
+        const Vec3 node{static_cast<double>(i), static_cast<double>(j), static_cast<double>(k)};
         points[n - begin] = frame.to_lattice(grid.origin + node * grid.spacing);
       }
       samples.at({points.data(), end - begin}, phi.data());

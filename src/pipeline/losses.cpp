@@ -31,6 +31,7 @@ std::vector<Loss> gather_losses(const std::vector<FarSample>& far, double diagon
     loss.position = sample.at;
   }
   std::vector<Loss> losses;
+  losses.reserve(places.size());
   for (auto& [place, loss] : places) losses.push_back(std::move(loss));
   std::stable_sort(losses.begin(), losses.end(), [](const Loss& a, const Loss& b) { return std::pair(a.area, a.distance) > std::pair(b.area, b.distance); });
   for (std::size_t i = kMostLosses; i < losses.size(); ++i) {

@@ -11,6 +11,9 @@
 
 namespace burnish {
 
+// What stands in reports for the name, and the format, of a surface that no file holds.
+inline constexpr const char* kInMemory = "memory";
+
 // Throws Error{unreadable_input} for a model whose area or volume is beyond double precision.
 void require_measurable(const std::string& path, double diagonal);
 

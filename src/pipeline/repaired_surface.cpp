@@ -12,7 +12,7 @@ namespace burnish {
 RepairedSurface repaired_surface(const CleanJob& job, Progress& progress, bool named) {
   RepairedSurface result;
   CleanRun run(job, progress);
-  const bool solid = run.open(std::make_unique<CleanedOutput>());
+  const bool solid = run.open(std::make_unique<CleanedOutput>(Precision::float64));
   if (solid) {
     run.run();
     result.surface = named ? run.take_named_result() : run.take_result();

@@ -320,7 +320,7 @@ std::string to_json(const FieldResult& r) {
     output = {{"file", o.file},       {"format", o.format},        {"cells", name(o.cells)},          {"written", o.written},
               {"cell_count", o.cell_count}, {"point_count", o.point_count}, {"octant_count", o.octant_count},
               {"samples", o.samples[0] > 0 ? Json(o.samples) : Json()}, {"spacing", o.spacing > 0 ? Json(o.spacing) : Json()}, {"voxel_count", o.voxel_count}, {"bytes", o.bytes}};
-  const auto or_null = [&](Json part) { return r.failure ? Json() : part; };
+  const auto or_null = [&](Json part) { return r.failure ? Json() : std::move(part); };
   Json by_level = Json::array(), divided;
   for (std::size_t l = 0; l < g.by_level.size(); ++l)
     by_level.push_back({{"level", l}, {"blocks", g.by_level[l].blocks}, {"near_blocks", g.by_level[l].near_blocks}});

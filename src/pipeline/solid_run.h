@@ -16,6 +16,8 @@ class SolidRun : protected StagedRun {
   SolidRun(const std::string& input, Progress& progress) : StagedRun(progress) { report_.input = input; }
 
   void read(bool salvage, const CleanOptions& options);
+  // Instead of reading: a surface that is in memory, welded or not.
+  void take(TriangleSoup input, const CleanOptions& options);
   // Inspects, orients and caps the input. False if it bounds no solid, and that was needed: report_.failure says why.
   bool prepare(const CleanOptions& options);
 

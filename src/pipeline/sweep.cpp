@@ -25,6 +25,7 @@ std::vector<RepairReport> sweep(const CleanJob& job, const std::vector<SweepStep
   const bool solid = base.open();
   if (solid) {
     std::vector<Length> strengths;
+    strengths.reserve(steps.size());
     for (const SweepStep& step : steps) strengths.push_back(step.smooth);
     base.share_level_set(strengths);
     for (std::size_t i = 1; i < steps.size(); ++i) {

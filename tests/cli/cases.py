@@ -24,7 +24,7 @@ HELP = [
     Case("check --help", 0, r"^Usage: burnish check FILE", NOTHING),
     Case("example -h", 0, r"^Usage: burnish example", NOTHING),
     Case("cube.stl -o x.stl --help", 0, r"^Usage: burnish IN", NOTHING),
-    Case("--version", 0, r"\Aburnish \d+\.\d+\.\d+\n\Z", NOTHING),
+    Case("--version", 0, r"\Aburnish \d+\.\d+\.\d+\ncommit        (unknown|[0-9a-f]{12}(-dirty)?)\ncompiler      \S+ [\d.]+\n", NOTHING),
     usage("help chekc", r"unknown command 'chekc'\n  hint: did you mean 'check'\?\n\Z"),
     usage("help xyzzy", r"unknown command 'xyzzy'\n  hint: 'burnish help' lists"),
 ]

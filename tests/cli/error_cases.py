@@ -162,6 +162,10 @@ def with_field(message, old, new, code=3, options=""):
 
 ROWS = [
     # The command line.
+    line("--html needs a file's name", "cube.stl -o x.stl --html -"),
+    line("--html and --snapshots exclude each other", "cube.stl -o x.stl --smooth 0.1 --snapshots s --html x.html"),
+    line("{}: --html and {} name the same file", "cube.stl -o x.stl --html x.stl"),
+    line("{} {}: expected one of {}", "curvature cube.stl -o x.vtp --order 3"),
     line("--snapshots needs a length", "cube.stl -o x.stl --snapshots 2"),
     line("--cell-max needs --adapt", "cube.stl -o x.stl --cell-max 1"),
     line("{} is for --surface delaunay", "cube.stl -o x.stl --surface tetrahedra --edge-tolerance 0.1h"),
@@ -398,6 +402,9 @@ a band of {} cells is less than the {} that ACCEPTED cells need
 --cell must be a length greater than zero
 noise of an example must be a finite number, 0 or more
 number of holes of an example must be 0 or more
+the surface has no facets
+options of volumes are for files of values
+point {} of the result is beyond the range of float32
 the deviation to simplify within is negative or no number
 the volume has no values
 {}: expected at least one along each axis
@@ -432,7 +439,8 @@ the mesh would have {} {}, and 32 bits number {}""",
 {}: cannot be unpacked
 {}: cannot be compressed
 zlib: not enough memory to decompress
-zlib: not enough memory to compress a block""",
+zlib: not enough memory to compress a block
+zlib: not enough memory to compress a mesh""",
     INVARIANT: """internal error: {}
 a face of the volume mesh has more than two cells
 a face of the volume mesh has no nearest facet

@@ -14,6 +14,7 @@ from pathlib import Path
 
 sys.dont_write_bytecode = True  # the source tree stays as it is
 import cases
+import completion_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import error_cases
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)

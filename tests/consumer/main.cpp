@@ -1,4 +1,5 @@
 // Uses Burnish as an installed library: the README's example of the API, on a box with a missing facet.
+#include <burnish/core/build_info.h>
 #include <burnish/core/error.h>
 #include <burnish/io/mesh_io.h>
 #include <burnish/surface/inspect.h>
@@ -26,7 +27,8 @@ int main() {
     const burnish::Defects defects = burnish::inspect(burnish::weld(file.soup)).defects;
     std::printf("%zu facets, %zu points, %zu open edges in %zu loops\n", defects.facets, defects.points,
                 defects.open_edges, defects.open_loops);
-    const bool as_expected = defects.facets == 3 && defects.points == 4 && defects.open_edges == 3 &&
+    std::printf("burnish %.*s\n", static_cast<int>(burnish::build_info().version.size()), burnish::build_info().version.data());
+    const bool as_expected = !burnish::build_info().dependencies.empty() && defects.facets == 3 && defects.points == 4 && defects.open_edges == 3 &&
                              defects.open_loops == 1 && !defects.valid_solid();
     return as_expected ? 0 : 1;
   } catch (const burnish::Error& error) {

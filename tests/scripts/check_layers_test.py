@@ -56,6 +56,18 @@ class CheckLayers(unittest.TestCase):
         self.assert_found("src/octree/a.cpp:1: octree may not include levelset/stencil_detail.h",
                           "src/octree/b.cpp:1: octree may not include levelset/stencil_detail.h")
 
+    def test_python_sees_options_and_no_command(self):
+        self.write("src/cli/clean_options.h", "\n")
+        self.write("src/cli/console.h", "\n")
+        self.write("include/burnish/surface/weld.h", "\n")
+        self.write("include/burnish/surface/remesh.h", "\n")
+        self.write("src/python/run.cpp", '#include "burnish/surface/weld.h"\n#include "cli/clean_options.h"\n#include "cli/console.h"\n#include "burnish/surface/remesh.h"\n')
+        self.write("src/pipeline/clean.cpp", '#include "python/run.h"\n')
+        self.write("src/python/run.h", "\n")
+        self.assert_found("src/pipeline/clean.cpp:1: pipeline may not include python/run.h",
+                          "src/python/run.cpp:3: python may not include cli/console.h",
+                          "src/python/run.cpp:4: python may not include surface/remesh.h")
+
     def test_foreign_headers(self):
         self.write("include/burnish/octree/octree.h", "#include <CGAL/Bbox_3.h>\n#include <fmt/core.h>\nCGAL::Bbox_3 b;\n")
         self.write("src/octree/octree.cpp", "#include <tbb/parallel_for.h>\n#include <iostream>\n")

@@ -13,7 +13,7 @@ class OutputFile {
   // Creates the temporary. Throws Error{unwritable_output}: the destination exists and `overwrite` is
   // false, the folder is missing or not writable, the destination is a folder, a device or a pipe.
   // With `overwrite`, a destination that is a link to a file means that file; the link stays.
-  OutputFile(std::string destination, bool overwrite);
+  OutputFile(const std::string& destination, bool overwrite);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;

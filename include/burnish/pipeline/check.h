@@ -37,4 +37,7 @@ struct CheckResult {
 // before anything is read. Locating takes a few percent of the time of inspecting.
 CheckResult check(const CheckJob& job, Progress& progress = no_progress());
 
+// The same of a surface in memory, welded or not, without an output.
+CheckResult check(TriangleSoup soup, Progress& progress = no_progress());
+
 }  // namespace burnish

@@ -36,4 +36,22 @@ struct CleanSurfaces {
 // The same, and fills in `surfaces`.
 RepairReport clean(const CleanJob& job, CleanSurfaces& surfaces, Progress& progress = no_progress());
 
+// Of the coordinates of a result that stays in memory: as a .ply stores them, or as an STL does.
+enum class Precision { float64, float32 };
+
+struct CleanedSurface {
+  RepairReport report;   // its output has no name and is never `written`
+  TriangleSoup surface;  // at that precision, with the input's groups and colours; what was found where the run failed, no facets if nothing was
+};
+
+// The same without files. Points and facets are those that `clean` would write to .ply (float64), in the same order, or to .stl (float32), welded; what is
+// verified is the surface as it is returned. Look at `report.failure` before you use it. `input` need not be welded; names and colours are kept.
+// Throws Error as `clean` does: Error{unreadable_input} for a soup without facets, Error{usage} for options of volumes, and
+// Error{unwritable_output} for coordinates beyond the range of float32 that are to be rounded to it.
+// The input is taken over, not copied, if it is moved.
+CleanedSurface clean(TriangleSoup input, const CleanOptions& options, Precision precision = Precision::float64, Progress& progress = no_progress());
+
+// Of a job whose output is not looked at.
+CleanedSurface clean_to_memory(const CleanJob& job, Precision precision = Precision::float64, Progress& progress = no_progress());
+
 }  // namespace burnish

@@ -98,6 +98,14 @@ struct CompareResult {
 // Same bytes for any number of threads.
 CompareResult compare_files(const CompareJob& job, Progress& progress = no_progress());
 
+// The same of two surfaces in memory, welded or not: of the job, `exact`, `samples` and `max` count.
+CompareResult compare_surfaces(TriangleSoup a, TriangleSoup b, const CompareJob& job, Progress& progress = no_progress());
+
+// The distance of each point from the surface, welded or not, in model units: positive outside and negative inside, as SideRule tells for it.
+// `exactly`: off by one rounding (surface/exact_distance.h); else by a few roundings of the coordinates, about 15 times faster.
+// Same bits for any number of threads. Throws Error as `compare_files` does.
+std::vector<double> signed_distances(TriangleSoup surface, const std::vector<Vec3>& points, bool exactly, Progress& progress = no_progress());
+
 // The result as JSON text, as docs/compare.schema.json says: what `burnish compare --json` prints.
 std::string to_json(const CompareResult& result);
 

@@ -1,0 +1,11 @@
+# Removes the files that the last `cmake --install` of the whole build wrote, which MANIFEST lists. Folders stay.
+if(NOT EXISTS "${MANIFEST}")
+  message(FATAL_ERROR "${MANIFEST}: no such file; nothing was installed from this build")
+endif()
+file(STRINGS "${MANIFEST}" files)
+foreach(file IN LISTS files)
+  if(EXISTS "$ENV{DESTDIR}${file}" OR IS_SYMLINK "$ENV{DESTDIR}${file}")
+    file(REMOVE "$ENV{DESTDIR}${file}")
+    message(STATUS "removed $ENV{DESTDIR}${file}")
+  endif()
+endforeach()
