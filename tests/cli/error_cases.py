@@ -162,6 +162,10 @@ def with_field(message, old, new, code=3, options=""):
 
 ROWS = [
     # The command line.
+    line("--html needs a file's name", "cube.stl -o x.stl --html -"),
+    line("--html and --snapshots exclude each other", "cube.stl -o x.stl --smooth 0.1 --snapshots s --html x.html"),
+    line("{}: --html and {} name the same file", "cube.stl -o x.stl --html x.stl"),
+    line("{} {}: expected one of {}", "curvature cube.stl -o x.vtp --order 3"),
     line("--snapshots needs a length", "cube.stl -o x.stl --snapshots 2"),
     line("--cell-max needs --adapt", "cube.stl -o x.stl --cell-max 1"),
     line("{} is for --surface delaunay", "cube.stl -o x.stl --surface tetrahedra --edge-tolerance 0.1h"),
@@ -179,6 +183,7 @@ ROWS = [
          "field cube.stl -o x.vtu --cell-octree --cell 0.1 --cell-max 0.01"),
     line("expected a spacing greater than zero, found {}", "field cube.stl -o x.vti --samples 8 --box 0,0,0,0,0,0", 2),
     # Models.
+    model("is {}", "m.stl", "<!DOCTYPE html>\n"),
     model("expected a point's finite coordinate, found {}", "m.obj", "v 0 0 x\n"),
     model("expected 'OFF', found {}", "m.off", "OGG\n"),
     model("binary OFF cannot be read", "m.off", OFF.replace("OFF", "OFF BINARY")),
@@ -397,6 +402,9 @@ a band of {} cells is less than the {} that ACCEPTED cells need
 --cell must be a length greater than zero
 noise of an example must be a finite number, 0 or more
 number of holes of an example must be 0 or more
+the surface has no facets
+options of volumes are for files of values
+point {} of the result is beyond the range of float32
 the deviation to simplify within is negative or no number
 the volume has no values
 {}: expected at least one along each axis
@@ -431,7 +439,8 @@ the mesh would have {} {}, and 32 bits number {}""",
 {}: cannot be unpacked
 {}: cannot be compressed
 zlib: not enough memory to decompress
-zlib: not enough memory to compress a block""",
+zlib: not enough memory to compress a block
+zlib: not enough memory to compress a mesh""",
     INVARIANT: """internal error: {}
 a face of the volume mesh has more than two cells
 a face of the volume mesh has no nearest facet
@@ -461,6 +470,7 @@ the mesh's volume is {} % off what is to be meshed: the cell is large for this m
 none of the model's volume is in the mesh, though their boxes meet: all fractions are 0
 the level set has cells of {}, not of {}, to stay within the memory budget: raise --memory
 smoothing changed the volume by {} %: {}
+{} small pieces that stand for no component of the input were left out
 was not written: {}""",
     "a signal has to come while the program works: the group 'signals' sends them": """interrupted
 interrupted while reading {}""",
