@@ -23,6 +23,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/timer.h"
+#include "burnish/io/output_file.h"
 #include "burnish/pipeline/report.h"
 #include "signals.h"
 #include "streams.h"
@@ -70,6 +71,12 @@ std::string text_in(const Descriptor& file) {
   for (ssize_t got = 0; (got = ::read(file.get(), buffer, sizeof buffer)) > 0 || (got < 0 && errno == EINTR);)
     if (got > 0) text.append(buffer, static_cast<std::size_t>(got));
   return text;
+}
+
+// Nobody waits for the result any more.
+extern "C" void end_at_once(int) {
+  OutputFile::remove_all_temporaries();
+  ::_exit(130);
 }
 
 struct Worker {
@@ -138,7 +145,8 @@ class Crew {
 
   // The worker's whole life.
   [[noreturn]] void be_worker(std::size_t run, const Share& share, const Worker& self, pid_t parent) const {
-    ::prctl(PR_SET_PDEATHSIG, SIGTERM);
+    std::signal(SIGUSR2, end_at_once);
+    ::prctl(PR_SET_PDEATHSIG, SIGUSR2);
     if (::getppid() != parent) ::_exit(130);
     if (captures_) ::dup2(self.out.get(), STDOUT_FILENO), ::dup2(self.err.get(), STDERR_FILENO);
     std::string told;
