@@ -16,12 +16,13 @@ namespace burnish {
 namespace {
 
 constexpr std::string_view kNotes =
-    R"(Exit codes: 0 a valid solid, 1 not a valid solid, 2 usage, 3 input unreadable,
-4 output unwritable.
+    R"(Exit codes: 0 a valid solid, 1 not a valid solid, or thinner somewhere than
+--min-thickness; 2 usage, 3 input unreadable, 4 output unwritable.
 
 Examples:
   burnish check part.stl && echo printable
   burnish check part.stl --output-defects defects.vtp
+  burnish check part.stl --min-thickness 0.8 --output-thickness thickness.vtp
 )";
 
 constexpr std::size_t kPlaces = 3, kPlacesVerbose = 50;
@@ -33,18 +34,19 @@ class CheckCommand : public Command {
             "Says what is wrong with a triangle file and where, and whether it is a valid\n"
             "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
             {"burnish check FILE [options]"},
-            {{"FILE", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{"FILE", "STL, OBJ, PLY, OFF or 3MF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
 
   int run() override {
     require_consistent();
+    job_.thickness |= job_.min_thickness || !job_.thickness_output.empty();
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     Console console(quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal);
-    if (job_.overwrite && job_.defects_output.empty()) {
-      console.warn("--overwrite", {"has no effect without --output-defects"});
+    if (job_.overwrite && job_.defects_output.empty() && job_.thickness_output.empty()) {
+      console.warn("--overwrite", {"has no effect without --output-defects or --output-thickness"});
     }
     const CheckResult result = check(job_, console);
     console.end_stage();
@@ -54,7 +56,7 @@ class CheckCommand : public Command {
     } else if (!quiet_) {
       write_stdout(check_summary(result, verbose_ ? kPlacesVerbose : kPlaces));
     }
-    return result.valid_solid ? 0 : exit_code(ErrorCode::answer_is_no);
+    return result.valid_solid && !result.too_thin() ? 0 : exit_code(ErrorCode::answer_is_no);
   }
 
  private:
@@ -62,6 +64,11 @@ class CheckCommand : public Command {
     return {
         {"--output-defects", 0, "OUT", "Options",
          "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.defects_output)},
+        {"--thickness", 0, "", "Options", "Measure how thick a valid solid is.", switch_on(job_.thickness)},
+        {"--min-thickness", 0, "L", "Options", "List where it is thinner than L, and exit 1 if it is; implies --thickness.",
+         [this](const GivenValue& v) { job_.min_thickness = length_without_cells(v); }},
+        {"--output-thickness", 0, "OUT", "Options", "Write the thickness at points: .vtp or .ply; implies --thickness.",
+         store_text(job_.thickness_output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
         salvage_row("Options", job_.salvage),
@@ -76,12 +83,16 @@ class CheckCommand : public Command {
   // Before anything is read; an output that looks at the model must not take its place.
   void require_consistent() const {
     if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other");
-    if (job_.defects_output.empty()) return;
-    static_cast<void>(marked_format_for_writing(job_.defects_output));
-    if (same_file(job_.defects_output, job_.input)) {
-      throw Error(ErrorCode::usage, fmt::format("{}: --output-defects names the input", job_.defects_output),
-                  "the defects are no replacement for the model: give another name");
-    }
+    require_no_input("--output-defects", job_.defects_output, "the defects are no replacement for the model: give another name");
+    require_no_input("--output-thickness", job_.thickness_output, "the thickness is no replacement for the model: give another name");
+    if (!job_.defects_output.empty() && !job_.thickness_output.empty() && same_file(job_.defects_output, job_.thickness_output))
+      throw Error(ErrorCode::usage, fmt::format("{}: both --output-defects and --output-thickness", job_.defects_output), "give one of them another name");
+  }
+
+  void require_no_input(std::string_view option, const std::string& output, const char* hint) const {
+    if (output.empty()) return;
+    static_cast<void>(marked_format_for_writing(output));
+    if (same_file(output, job_.input)) throw Error(ErrorCode::usage, fmt::format("{}: {} names the input", output, option), hint);
   }
 
   CheckJob job_;

@@ -44,7 +44,7 @@ class CleanCommand : public Command {
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
             {"burnish IN -o OUT [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
+            {{"IN", "STL, OBJ, PLY, OFF or 3MF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }
@@ -71,7 +71,7 @@ class CleanCommand : public Command {
   std::vector<Option> option_table() {
     std::vector<Option> table = {
         {"--output", 'o', "FILE", "Output",
-         "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
+         "Where to write: .stl, .stla (ASCII), .ply, .obj, .off or .3mf; '-' is standard output, as binary STL.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
         {"--snapshots", 0, "DIR", "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",

@@ -42,7 +42,7 @@ class CurvatureCommand : public Command {
             "Takes mean, Gaussian and principal curvatures of the surface of a triangle\n"
             "file: reports how they are spread, and writes them for viewers.",
             {"burnish curvature IN [-o OUT] [options]"},
-            {{"IN", "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{"IN", "STL, OBJ, PLY, OFF or 3MF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }

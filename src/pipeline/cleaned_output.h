@@ -26,6 +26,8 @@ class CleanedOutput {
   CleanedOutput();
 
   MeshFormat format() const { return options_.format; }
+  // What the file will say its coordinates are counted in, if its format can; millimetres otherwise.
+  void set_unit(ModelUnit unit) { options_.unit = unit; }
   bool is_scratch() const { return destination_.empty(); }
 
   // What is done to a surface in model coordinates before it is written.

@@ -38,16 +38,44 @@ class DeviationOutput {
   OutputFile file_;
 };
 
+// A at its new place. Named by what it is written from, with the unit that this had.
+class AlignedOutput {
+ public:
+  AlignedOutput(const std::string& path, bool overwrite) : file_(path, overwrite) { options_.format = format_for_writing(path); }
+
+  void write(const ComparedSide& a) {
+    if (a.unit) options_.unit = *a.unit;
+    write_mesh(file_.fd(), file_.destination(), a.soup, options_);
+    file_.commit();
+  }
+
+ private:
+  MeshWriteOptions options_;
+  OutputFile file_;
+};
+
+Registration align(ComparedSide& a, const ComparedSide& b, Progress& progress) {
+  progress.begin_stage("aligning");
+  const Registration found = register_rigidly(a.soup, b.soup, progress);
+  for (Vec3& p : a.soup.points) p = found.motion(p);
+  a.file.measures.box = bounding_box(a.soup);
+  return found;
+}
+
 }  // namespace
 
 CompareResult compare_files(const CompareJob& job, Progress& progress) {
   std::optional<DeviationOutput> output;
   if (!job.output.empty()) output.emplace(job.output, job.overwrite);
+  std::optional<AlignedOutput> aligned;
+  if (!job.aligned.empty()) aligned.emplace(job.aligned, job.overwrite);
   std::optional<ErrorMap> map;
   if (job.truth && !job.truth->map.empty()) map.emplace(job.truth->map, job.overwrite);
   ComparedSide a(job.a, job.salvage, progress), b(job.b, job.salvage, progress);
   CompareResult result;
   result.exact = job.exact;
+  if (job.align) result.alignment = align(a, b, progress);
+  if (aligned) aligned->write(a);
   result.diagonal = a.file.measures.box.diagonal();
   if (job.max) result.limit = job.max->in_model_units(result.diagonal, 0);
   progress.begin_stage("indexing");

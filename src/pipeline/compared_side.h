@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -49,6 +50,7 @@ class ComparedSide {
     file.file = path;
     file.format = name(mesh.format);
     file.warnings = std::move(mesh.warnings);
+    unit = mesh.unit;
     progress.check();
     soup = weld(std::move(mesh.soup));
     require_measurable(path, bounding_box(soup).diagonal());
@@ -79,6 +81,7 @@ class ComparedSide {
   }
 
   ComparedFile file;
+  std::optional<ModelUnit> unit;
   TriangleSoup soup;
   SideRule rule = SideRule::winding_number;
   std::unique_ptr<TriangleIndex> index;

@@ -58,6 +58,7 @@ void require_measurable(const std::string& path, double diagonal) {
 TriangleSoup read_input(const std::string& path, bool salvage, const CleanOptions& options, RepairReport& report) {
   MeshFile file = read_mesh(path, {.salvage = salvage});
   report.input_format = name(file.format);
+  report.unit = file.unit;
   report.warnings = std::move(file.warnings);
   return placed_input(weld(std::move(file.soup)), path, options, report);
 }

@@ -8,6 +8,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/timer.h"
+#include "burnish/core/units.h"
 #include "burnish/pipeline/check.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/compare.h"
@@ -165,6 +166,7 @@ struct RepairReport {
   std::string method_reason;  // why that one
   std::string input;
   std::string input_format;
+  std::optional<ModelUnit> unit;  // of the input, where it tells one: the output gets it, too
   std::string output;
   std::string output_format;
   ResolvedOptions options;

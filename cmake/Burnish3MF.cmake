@@ -1,0 +1,18 @@
+# The library lib3mf, which is optional: burnish_find_3mf() sets BURNISH_HAS_3MF, and LIB3MF_INCLUDE_DIR and LIB3MF_LIBRARY.
+set(BURNISH_WITH_3MF "AUTO" CACHE STRING "Read and write .3mf files: AUTO (where lib3mf-dev is found), ON or OFF")
+set_property(CACHE BURNISH_WITH_3MF PROPERTY STRINGS AUTO ON OFF)
+
+macro(burnish_find_3mf)
+  set(BURNISH_HAS_3MF OFF)
+  if(NOT BURNISH_WITH_3MF STREQUAL "OFF")
+    find_path(LIB3MF_INCLUDE_DIR Model/COM/NMR_DLLInterfaces.h PATH_SUFFIXES lib3mf)
+    find_library(LIB3MF_LIBRARY 3MF)
+    if(LIB3MF_INCLUDE_DIR AND LIB3MF_LIBRARY)
+      set(BURNISH_HAS_3MF ON)
+    elseif(BURNISH_WITH_3MF STREQUAL "ON")
+      message(FATAL_ERROR "BURNISH_WITH_3MF is ON and lib3mf was not found: install lib3mf-dev")
+    else()
+      message(STATUS "lib3mf not found (lib3mf-dev): built without .3mf files")
+    endif()
+  endif()
+endmacro()
