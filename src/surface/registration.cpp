@@ -19,6 +19,8 @@ using Vector6 = Eigen::Matrix<double, 6, 1>;
 constexpr std::size_t kFew = 300, kMany = 10'000;  // samples of a trial, and of the result
 constexpr int kTrialRounds = 25, kMostRounds = 200;
 constexpr std::size_t kFinalists = 4;
+constexpr double kNoticeable = 1e-6;  // of the score: what noise leaves to gain
+constexpr int kPatience = 10;         // rounds without that much
 constexpr double kSmallStep = 1e-13, kConvergedStep = 1e-9;  // of the size
 constexpr double kOutlier = 3 * 1.4826;                      // of the median: three standard deviations of a normal distribution
 constexpr double kFloor = 1e-12;                             // of the size: no distance below is an outlier
@@ -94,6 +96,7 @@ struct Fit {
   double step = std::numeric_limits<double>::infinity();
   std::size_t rounds = 0;
   int free_motions = 0;
+  bool stalled = false;
 };
 
 class Registrar {
@@ -197,19 +200,24 @@ class Registrar {
 
   Fit improved(const RigidMotion& start, const std::vector<Vec3>& samples, int rounds) const {
     Fit now{start}, least;
+    double mark = std::numeric_limits<double>::infinity();  // the score when it last became noticeably less
+    int marked = 0;
     for (int i = 0; i < rounds; ++i) {
       const std::vector<Match> found = matches(samples, now.motion);
       now.score = score(found);
       now.rounds = static_cast<std::size_t>(i);
       if (now.score <= least.score) least = now;
+      if (now.score < mark * (1 - kNoticeable)) mark = now.score, marked = i;
       step(found, now);
       least.free_motions = now.free_motions;
-      if (now.step < kSmallStep) break;
+      least.stalled = i - marked >= kPatience;
+      if (now.step < kSmallStep || least.stalled) break;
     }
     now.score = score(matches(samples, now.motion));
     const double step = now.step;
+    now.stalled = least.stalled;
     if (now.score <= least.score * (1 + 1e-9)) least = now;
-    least.step = step;
+    least.step = least.stalled ? 0 : step;
     return least;
   }
 

@@ -32,10 +32,11 @@ class BallShrinker {
   }
 
   // At p on facet f, which has an area. [T-THICK-2]
-  double thickness(const Vec3& p, std::size_t f) const {
+  double thickness(const Vec3& p, std::size_t f, std::uint32_t* opposite = nullptr) const {
     const Vec3 inwards = -normals_[f];
     const TriangleIndex::Hit hit = index_.first_hit(p + inwards * start_, inwards);
     if (hit.facet == kNoFacet) return kInfinity;
+    std::uint32_t contact = hit.facet;
     double radius = (hit.distance + start_) / 2;
     double slack = kFirst;
     for (int round = 0; round < kMostRounds; ++round) {
@@ -47,8 +48,10 @@ class BallShrinker {
       const double smaller = squared_norm(q.point - p) / (2 * depth);
       if (!(depth > 0) || !(smaller < radius)) break;
       radius = smaller;
+      contact = q.facet;
       slack = kLater;
     }
+    if (opposite) *opposite = contact;
     return 2 * radius;
   }
 
@@ -87,7 +90,7 @@ std::vector<ThicknessSample> places_of_samples(const TriangleSoup& soup, std::si
     const double own = norm(facet_normal_2a(soup, f)) / 2;
     if (!(own > 0)) continue;
     const auto count = 1 + static_cast<std::size_t>(own / total * static_cast<double>(more));
-    for (std::size_t i = 0; i < count; ++i) samples.push_back({spread_point(soup, f, i), static_cast<std::uint32_t>(f), own / static_cast<double>(count), 0});
+    for (std::size_t i = 0; i < count; ++i) samples.push_back({spread_point(soup, f, i), static_cast<std::uint32_t>(f), own / static_cast<double>(count)});
   }
   return samples;
 }
@@ -116,9 +119,12 @@ std::vector<std::uint32_t> largest_facets(const TriangleSoup& soup) {
 
 std::vector<ThinPlace> thin_places(const TriangleSoup& soup, const std::vector<ThicknessSample>& samples, double limit) {
   UnionFind pieces(soup.points.size());
-  for (const ThicknessSample& s : samples)
-    if (s.thickness < limit)
-      for (int i = 1; i < 3; ++i) pieces.unite(soup.facets[s.facet][0], soup.facets[s.facet][static_cast<std::size_t>(i)]);
+  for (const ThicknessSample& s : samples) {
+    if (!(s.thickness < limit)) continue;
+    const std::uint32_t first = soup.facets[s.facet][0];
+    for (const std::uint32_t f : {s.facet, s.opposite})
+      for (const std::uint32_t p : soup.facets[f]) pieces.unite(first, p);
+  }
   std::vector<std::uint32_t> number(soup.points.size(), kNoFacet);
   std::vector<ThinPlace> places;
   for (const ThicknessSample& s : samples) {
@@ -143,7 +149,7 @@ std::vector<ThicknessSample> thickness_samples(const TriangleSoup& oriented, std
   std::vector<ThicknessSample> samples = places_of_samples(oriented, more);
   if (samples.empty()) return samples;
   const BallShrinker balls(oriented);
-  counted_for(samples.size(), progress, [&](std::size_t i) { samples[i].thickness = balls.thickness(samples[i].at, samples[i].facet); });
+  counted_for(samples.size(), progress, [&](std::size_t i) { samples[i].thickness = balls.thickness(samples[i].at, samples[i].facet, &samples[i].opposite); });
   return samples;
 }
 

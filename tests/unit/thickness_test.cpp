@@ -74,13 +74,12 @@ TEST(ThicknessMap, TurnsAndGrowsWithTheModel) {
   const auto a = thickness_samples(part, 200);
   const auto b = thickness_samples(mapped(part, [&](const Vec3& p) { return Vec3{3 * (c * p.x - s * p.z) + 50, 3 * p.y, 3 * (s * p.x + c * p.z) - 7}; }), 200);
   ASSERT_EQ(a.size(), b.size());
-  std::size_t apart = 0;  // rays that pass an edge by rounding on another side
-  for (std::size_t i = 0; i < a.size(); ++i) apart += std::abs(b[i].thickness - 3 * a[i].thickness) > 1e-6;
-  EXPECT_LE(apart, a.size() / 200);
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(b[i].thickness, 3 * a[i].thickness, 0.03 * a[i].thickness);
 }
 
 TEST(ThicknessMap, ThinPlacesAreListedByThickness) {
   const TriangleSoup soup = merged(merged(box({1, 1, 0.1}, 3, 3, 1), moved(box({1, 1, 0.05}, 3, 3, 1), {5, 0, 0})), moved(cube(), {10, 0, 0}));
+  // Both sides of a wall are one place.
   const ThicknessSummary t = summary_of(soup, thickness_samples(soup, 1000), 0.2);
   ASSERT_EQ(t.places.size(), 2u);
   EXPECT_NEAR(t.minimum, 0.05, 1e-8);

@@ -32,7 +32,7 @@ struct Registration {
   std::size_t samples = 0;
   std::size_t starts = 0;      // positions from which it was tried
   std::size_t iterations = 0;  // of the best one's last stage
-  bool converged = false;      // steps fell below 1e-9 of the size
+  bool converged = false;      // steps fell below 1e-9 of the size, or the fit no longer got better by a millionth in 10 rounds
   int free_motions = 0;        // of 6 that the surfaces do not determine: 3 of planes and spheres, 1 of cones, 2 of cylinders
 };
 

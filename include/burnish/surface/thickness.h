@@ -25,6 +25,7 @@ struct ThicknessSample {
   Vec3 at;
   std::uint32_t facet = 0;  // it lies on
   double area = 0;          // that it stands for
+  std::uint32_t opposite = 0xffffffffu;  // the facet that ended the ball; kNoFacet without any
   double thickness = 0;     // infinite where the ray meets no facet: outside of a closed surface
 };
 
@@ -36,7 +37,7 @@ std::vector<ThicknessSample> thickness_samples(const TriangleSoup& oriented, std
 // The same at each point: a hundredth of the way to the centroid of its largest facet, whose normal counts. Not a number for points without facets.
 std::vector<double> thickness_at_points(const TriangleSoup& oriented, Progress& progress = no_progress());
 
-// Thin samples on facets that hang together by points.
+// Thin samples on facets that hang together by points, and those of the other side of the wall.
 struct ThinPlace {
   Vec3 position;         // of its thinnest sample
   double thickness = 0;  // there
