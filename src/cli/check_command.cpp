@@ -21,13 +21,15 @@ namespace burnish {
 namespace {
 
 constexpr std::string_view kNotes =
-    R"(Exit codes: 0 a valid solid, 1 not a valid solid, 2 usage, 3 input unreadable,
-4 output unwritable; of several files, the highest of theirs.
+    R"(Exit codes: 0 a valid solid, 1 not a valid solid, or thinner somewhere than
+--min-thickness; 2 usage, 3 input unreadable, 4 output unwritable; of several
+files, the highest of theirs.
 
 Examples:
   burnish check part.stl && echo printable
   burnish check parts/*.stl --jobs auto
   burnish check part.stl --output-defects defects.vtp
+  burnish check part.stl --min-thickness 0.8 --output-thickness thickness.vtp
 )";
 
 constexpr std::size_t kPlaces = 3, kPlacesVerbose = 50;
@@ -39,7 +41,7 @@ class CheckCommand : public Command {
             "Says what is wrong with a triangle file and where, and whether it is a valid\n"
             "solid: closed, 2-manifold, oriented outwards, free of self-intersections.",
             {"burnish check FILE... [options]"},
-            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY or OFF file, or several; '-' is standard input.", add_input(inputs_), true}},
+            {{file("FILE", kSurfaceInputs), "STL, OBJ, PLY, OFF or 3MF file, or several; '-' is standard input.", add_input(inputs_), true}},
             option_table(),
             kNotes,
             &job_.unit};
@@ -47,7 +49,9 @@ class CheckCommand : public Command {
 
   int run() override {
     if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other");
-    if (job_.overwrite && job_.defects_output.empty()) Console(verbosity()).warn("--overwrite", {"has no effect without --output-defects"});
+    job_.thickness |= job_.min_thickness || !job_.thickness_output.empty();
+    if (job_.overwrite && job_.defects_output.empty() && job_.thickness_output.empty())
+      Console(verbosity()).warn("--overwrite", {"has no effect without --output-defects or --output-thickness"});
     return inputs_.size() == 1 ? run_one() : run_several();
   }
 
@@ -55,11 +59,12 @@ class CheckCommand : public Command {
   int run_one() {
     const std::vector<PlacedOption> placed = placed_options();
     MadeFolders folders;
-    const std::string output = job_.defects_output;
+    const std::string defects = job_.defects_output, thickness = job_.thickness_output;
     job_.input = inputs_.front();
     place_files_of(job_.input, placed);
     require_consistent();
-    if (is_place(output)) folders.make_for(job_.defects_output);
+    if (is_place(defects)) folders.make_for(job_.defects_output);
+    if (is_place(thickness)) folders.make_for(job_.thickness_output);
     return check_one(verbosity(), {threads_, 1}, [this](const CheckResult& result) {
       if (json_)
         write_stdout(to_json(result));
@@ -70,13 +75,16 @@ class CheckCommand : public Command {
 
   int run_several() {
     const std::vector<PlacedOption> placed = placed_options();
-    const std::vector<std::string> files = files_for(inputs_, placed).front();
+    const std::vector<std::vector<std::string>> files = files_for(inputs_, placed);
     const auto take = [&](std::size_t run) {
       job_.input = inputs_[run];
-      if (!files.empty()) job_.defects_output = files[run];
+      for (std::size_t o = 0; o < placed.size(); ++o)
+        if (!files[o].empty()) *placed[o].path = files[o][run];
     };
     MadeFolders folders;
-    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent(), folders.make_for(job_.defects_output);
+    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
+    for (const std::vector<std::string>& own : files)
+      for (const std::string& file : own) folders.make_for(file);
     return run_batch({.command = "check",
                       .inputs = inputs_,
                       .outputs = {},
@@ -99,7 +107,7 @@ class CheckCommand : public Command {
   Verbosity verbosity() const { return quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal; }
 
   // Options that name a file for each input; for several, a folder or a pattern.
-  std::vector<PlacedOption> placed_options() { return {{"--output-defects", &job_.defects_output, ".vtp"}}; }
+  std::vector<PlacedOption> placed_options() { return {{"--output-defects", &job_.defects_output, ".vtp"}, {"--output-thickness", &job_.thickness_output, ".vtp"}}; }
 
   int check_one(Verbosity verbosity, const Share& share, const std::function<void(const CheckResult&)>& tell) {
     require_plausible_input(job_.input);
@@ -109,13 +117,18 @@ class CheckCommand : public Command {
     console.end_stage();
     console.warn(result.input, result.warnings);
     tell(result);
-    return result.valid_solid ? 0 : exit_code(ErrorCode::answer_is_no);
+    return result.valid_solid && !result.too_thin() ? 0 : exit_code(ErrorCode::answer_is_no);
   }
 
   std::vector<Option> option_table() {
     return {
         {"--output-defects", 0, file("OUT", kMarkedOutputs), "Options",
          "Write the defects to look at: .vtp (ParaView) or .ply (MeshLab). A folder (out/) or a pattern (out/{}.ply) takes one for each file.", store_text(job_.defects_output)},
+        {"--thickness", 0, "", "Options", "Measure how thick a valid solid is.", switch_on(job_.thickness)},
+        {"--min-thickness", 0, length("L"), "Options", "List where it is thinner than L, and exit 1 if it is; implies --thickness.",
+         [this](const GivenValue& v) { job_.min_thickness = length_without_cells(v); }},
+        {"--output-thickness", 0, file("OUT", kMarkedOutputs), "Options", "Write the thickness at points: .vtp or .ply; implies --thickness. Of several files, a folder or a pattern.",
+         store_text(job_.thickness_output)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         {"--json", 0, "", "Options", "Print the result as JSON.", switch_on(json_)},
         salvage_row("Options", job_.salvage),
@@ -131,12 +144,16 @@ class CheckCommand : public Command {
 
   // Before anything is read; an output that looks at the model must not take its place.
   void require_consistent() const {
-    if (job_.defects_output.empty()) return;
-    static_cast<void>(marked_format_for_writing(job_.defects_output));
-    if (same_file(job_.defects_output, job_.input)) {
-      throw Error(ErrorCode::usage, fmt::format("{}: --output-defects names the input", job_.defects_output),
-                  "the defects are no replacement for the model: give another name");
-    }
+    require_no_input("--output-defects", job_.defects_output, "the defects are no replacement for the model: give another name");
+    require_no_input("--output-thickness", job_.thickness_output, "the thickness is no replacement for the model: give another name");
+    if (!job_.defects_output.empty() && !job_.thickness_output.empty() && same_file(job_.defects_output, job_.thickness_output))
+      throw Error(ErrorCode::usage, fmt::format("{}: both --output-defects and --output-thickness", job_.defects_output), "give one of them another name");
+  }
+
+  void require_no_input(std::string_view option, const std::string& output, const char* hint) const {
+    if (output.empty()) return;
+    static_cast<void>(marked_format_for_writing(output));
+    if (same_file(output, job_.input)) throw Error(ErrorCode::usage, fmt::format("{}: {} names the input", output, option), hint);
   }
 
   CheckJob job_;

@@ -50,7 +50,7 @@ class CleanCommand : public Command {
             "Repairs a triangle file: the result is closed, oriented and free of\n"
             "self-intersections, and is verified before it gets its name.",
             {"burnish IN -o OUT [options]", "burnish IN IN... -o FOLDER/ [options]"},
-            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd), or several of them; '-' is standard input.", add_input(inputs_), true}},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY, OFF or 3MF file, or a volume (.vti, .nrrd), or several of them; '-' is standard input.", add_input(inputs_), true}},
             option_table(),
             kNotes,
             &job_.options.unit};
@@ -146,7 +146,7 @@ class CleanCommand : public Command {
   std::vector<Option> option_table() {
     std::vector<Option> table = {
         {"--output", 'o', file("FILE", kSurfaceOutputs), "Output",
-         "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL. A folder (out/) or a pattern (out/{}.ply), where {} is the input's name, takes one for each input.",
+         "Where to write: .stl, .stla (ASCII), .ply, .obj, .off or .3mf; '-' is standard output, as binary STL. A folder (out/) or a pattern (out/{}.ply), where {} is the input's name, takes one for each input.",
          store_text(job_.output)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(job_.overwrite)},
         {"--snapshots", 0, folder("DIR"), "Output", "With --smooth L: also write the surface smoothed by a quarter, a half and three quarters of L, as DIR/smooth-25 and so on.",

@@ -9,6 +9,7 @@
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/marked_cells.h"
+#include "burnish/io/mesh_io.h"
 #include "burnish/pipeline/compare_files.h"
 #include "commands.h"
 #include "compare_summary.h"
@@ -31,6 +32,7 @@ Examples:
   burnish compare part.stl repaired.stl
   burnish compare part.stl repaired.stl --max 0.1% -q && echo the same
   burnish compare scan.stl design.stl --output deviation.vtp
+  burnish compare scan.stl design.stl --align --aligned moved.stl
   burnish compare denoised.stl truth.stl --normals --input noisy.stl
 )";
 
@@ -40,7 +42,7 @@ class CompareCommand : public Command {
     return {"compare",
             "Says how far two surfaces are from each other, both ways, and where.",
             {"burnish compare A B [options]"},
-            {{file("A", kSurfaceInputs), "STL, OBJ, PLY or OFF file; the one that percentages refer to.", store_text(job_.a)},
+            {{file("A", kSurfaceInputs), "STL, OBJ, PLY, OFF or 3MF file; the one that percentages refer to.", store_text(job_.a)},
              {file("B", kSurfaceInputs), "The other file; '-', for one of them, is standard input.", store_text(job_.b)}},
             option_table(),
             kNotes,
@@ -49,13 +51,14 @@ class CompareCommand : public Command {
 
   int run() override {
     require_consistent();
+    job_.align |= !job_.aligned.empty();
     for (const std::string& input : inputs()) require_plausible_input(input);
     if (truth_asked_) job_.truth = truth_;
     if (crease_angle_) job_.truth->crease_angle = *crease_angle_;
     job_.samples = samples_.value_or(truth_asked_ ? kTruthSamples : job_.samples);
     const ThreadLimit limit(threads_);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
-    if (job_.overwrite && job_.output.empty() && truth_.map.empty()) console.warn("--overwrite", {"has no effect without --output or --map"});
+    if (job_.overwrite && job_.output.empty() && truth_.map.empty() && job_.aligned.empty()) console.warn("--overwrite", {"has no effect without --output, --map or --aligned"});
     const CompareResult result = compare_files(job_, console);
     console.end_stage();
     for (const ComparedFile& file : {result.a, result.b}) console.warn(file.file, file.warnings);
@@ -76,6 +79,8 @@ class CompareCommand : public Command {
          [this](const GivenValue& v) { job_.max = length_without_cells(v); }},
         {"--output", 'o', file("OUT", kMarkedOutputs), "Options",
          "Write A with its signed deviation from B: .vtp (ParaView) or .ply (MeshLab).", store_text(job_.output)},
+        {"--align", 0, "", "Options", "First move A onto B: rotate and shift it, so that they fit best.", switch_on(job_.align)},
+        {"--aligned", 0, file("FILE", kSurfaceOutputs), "Options", "Write A as it was moved: .stl, .ply, .obj, .off or .3mf; implies --align.", store_text(job_.aligned)},
         {"--overwrite", 0, "", "Options", "Replace OUT if it exists already.", switch_on(job_.overwrite)},
         units_row("Options", job_.unit),
         {"--samples", 0, count("N"), "Options",
@@ -119,9 +124,16 @@ class CompareCommand : public Command {
     require_one_standard_input();
     require_truth();
     for (const auto& [option, output] : {std::pair{"--output", job_.output}, std::pair{"--map", truth_.map}})
-      if (!output.empty()) require_no_input(option, output);
-    if (!job_.output.empty() && !truth_.map.empty() && same_file(job_.output, truth_.map))
-      throw Error(ErrorCode::usage, fmt::format("{}: both --output and --map", job_.output), "give one of them another name");
+      if (!output.empty()) static_cast<void>(marked_format_for_writing(output)), require_no_input(option, output);
+    if (!job_.aligned.empty()) static_cast<void>(format_for_writing(job_.aligned)), require_no_input("--aligned", job_.aligned);
+    require_different("--output", job_.output, "--map", truth_.map);
+    require_different("--output", job_.output, "--aligned", job_.aligned);
+    require_different("--aligned", job_.aligned, "--map", truth_.map);
+  }
+
+  static void require_different(std::string_view one, const std::string& first, std::string_view other, const std::string& second) {
+    if (!first.empty() && !second.empty() && same_file(first, second))
+      throw Error(ErrorCode::usage, fmt::format("{}: both {} and {}", first, one, other), "give one of them another name");
   }
 
   void require_one_standard_input() const {
@@ -142,11 +154,10 @@ class CompareCommand : public Command {
 
   // An output that looks at a model must not take its place.
   void require_no_input(std::string_view option, const std::string& output) const {
-    static_cast<void>(marked_format_for_writing(output));
     for (const std::string& input : inputs()) {
       if (!same_file(output, input)) continue;
       throw Error(ErrorCode::usage, fmt::format("{}: {} names an input", output, option),
-                  "the coloured surface is no replacement for the model: give another name");
+                  "what is written is no replacement for the model: give another name");
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <numbers>
 #include <vector>
 
 namespace burnish {
@@ -126,6 +127,15 @@ std::string truth_rows(const TruthComparison& t) {
   return text + drift_rows(t);
 }
 
+std::string alignment_rows(const Registration& r) {
+  std::string text = fmt::format("\nA was moved onto B: rotated by {:.6g} degrees about ({:.6g}, {:.6g}, {:.6g}),\n  then shifted by {}\n", r.motion.angle() * 180 / std::numbers::pi,
+                                 r.motion.axis().x, r.motion.axis().y, r.motion.axis().z, place(r.motion.translation));
+  text += fmt::format("  rms {:.4g} before, {:.4g} after, {:.4g} of the {:.0f} % of samples that counted\n", r.rms_before, r.rms_after, r.rms_kept, 100 * r.kept);
+  if (!r.converged) text += "  it did not converge: the surfaces may not be of the same shape\n";
+  if (r.free_motions > 0) text += fmt::format("  not unique: {} of 6 motions make no difference to the surfaces\n", r.free_motions);
+  return text;
+}
+
 std::string answer(const CompareResult& r) {
   if (!r.limit) return {};
   return fmt::format("{}: the largest distance, {:.6g}, is {} {:.6g}\n", r.within_limit() ? "yes" : "no", r.max(),
@@ -142,6 +152,7 @@ std::string compare_summary(const CompareResult& r) {
   const auto degrees = [](double value) { return fmt::format("{:.4g}", value); };
   std::string text = fmt::format("A: {} ({})\nB: {} ({})\n{}\n", r.a.file, r.a.format, r.b.file, r.b.format, r.unit ? fmt::format("lengths in{}\n", unit_suffix(r.unit)) : "");
   text += sizes(r.a, r.b);
+  if (r.alignment) text += alignment_rows(*r.alignment);
   text += fmt::format("\n{:<{}}{:>{}}{:>{}}\n", "", kLabelWidth, "A -> B", kWideColumn, "B -> A", kWideColumn);
   text += fmt::format("{}distance, of {} and {} samples\n", r.exact ? "exact " : "", r.a_to_b.distance.samples,
                       r.b_to_a.distance.samples);

@@ -43,7 +43,7 @@ class CurvatureCommand : public Command {
             "Takes mean, Gaussian and principal curvatures of the surface of a triangle\n"
             "file: reports how they are spread, and writes them for viewers.",
             {"burnish curvature IN [-o OUT] [options]"},
-            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY, OFF or 3MF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes,
             &job_.options.unit};

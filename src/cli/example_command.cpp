@@ -106,7 +106,7 @@ class ExampleCommand : public Command {
         {"--seed", 0, count("K"), "Dirt", "Another seed (default: 1) gives other noise and other holes.",
          [&o](const GivenValue& v) { o.seed = integer_within(v, 0, kMaxSeed); }},
         {"--output", 'o', file("FILE", kSurfaceOutputs), "Output",
-         "Where to write: .stl, .stla (ASCII), .ply, .obj or .off; '-' is standard output, as binary STL.",
+         "Where to write: .stl, .stla (ASCII), .ply, .obj, .off or .3mf; '-' is standard output, as binary STL.",
          store_text(output_)},
         {"--truth", 0, file("FILE", kSurfaceOutputs), "Output", "Write the clean shape here.", store_text(truth_)},
         {"--overwrite", 0, "", "Output", "Replace files that exist already.", switch_on(overwrite_)},

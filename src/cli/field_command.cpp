@@ -57,7 +57,7 @@ class FieldCommand : public Command {
             "Builds the level set of a triangle file on its octree: reports it, compares it\n"
             "with exact distances, and writes it for viewers and solvers.",
             {"burnish field IN [-o OUT] [options]"},
-            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY, OFF or 3MF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes,
             &job_.options.unit};

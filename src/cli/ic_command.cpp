@@ -41,7 +41,7 @@ class IcCommand : public Command {
             "Writes the volume fractions of a triangle file's solid onto the mesh of an\n"
             "OpenFOAM case: the initial condition of a two-phase simulation.",
             {"burnish ic IN --case CASE [--field NAME] [options]"},
-            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY, OFF or 3MF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes};
   }

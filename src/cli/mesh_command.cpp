@@ -55,7 +55,7 @@ class MeshCommand : public Command {
             "simulation: mostly hexahedra, closed however dirty the file is, and checked as\n"
             "OpenFOAM's checkMesh does before it is written.",
             {"burnish mesh IN -o CASE [options]"},
-            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY or OFF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceOrVolumeInputs), "STL, OBJ, PLY, OFF or 3MF file, or a volume (.vti, .nrrd); '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes,
             &job_.options.unit};

@@ -9,10 +9,10 @@ namespace burnish {
 
 using Suffixes = std::vector<std::string_view>;
 
-inline const Suffixes kSurfaceInputs = {".stl", ".stla", ".stlb", ".obj", ".ply", ".off"};
-inline const Suffixes kSurfaceOrVolumeInputs = {".stl", ".stla", ".stlb", ".obj", ".ply", ".off", ".vti", ".nrrd", ".nhdr"};
-inline const Suffixes kRegionInputs = {".txt", ".stl", ".stla", ".stlb", ".obj", ".ply", ".off"};
-inline const Suffixes kSurfaceOutputs = {".stl", ".stla", ".ply", ".obj", ".off"};
+inline const Suffixes kSurfaceInputs = {".stl", ".stla", ".stlb", ".obj", ".ply", ".off", ".3mf"};
+inline const Suffixes kSurfaceOrVolumeInputs = {".stl", ".stla", ".stlb", ".obj", ".ply", ".off", ".3mf", ".vti", ".nrrd", ".nhdr"};
+inline const Suffixes kRegionInputs = {".txt", ".stl", ".stla", ".stlb", ".obj", ".ply", ".off", ".3mf"};
+inline const Suffixes kSurfaceOutputs = {".stl", ".stla", ".ply", ".obj", ".off", ".3mf"};
 inline const Suffixes kMarkedOutputs = {".vtp", ".ply"};
 inline const Suffixes kFieldOutputs = {".vtu", ".htg", ".vti", ".nrrd", ".vdb"};
 inline const Suffixes kMeshOutputs = {".vtu", ".msh", ".su2", ".cgns"};  // besides the folder of a case

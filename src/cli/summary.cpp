@@ -220,6 +220,27 @@ std::string problems(const Defects& d) {
   return d.volume < 0 ? "turned inside out" : "no volume";
 }
 
+namespace {
+
+std::string point_text(const Vec3& p) { return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z); }
+
+std::string thickness_text(const ThicknessSummary& t, std::size_t places) {
+  std::string text = fmt::format("\n{:<{}}{:.6g} at {}\n", "thinnest", kLabelWidth, t.minimum, point_text(t.thinnest_at));
+  for (std::size_t i = 0; i < t.percentiles.size(); ++i)
+    text += fmt::format("{:<{}}{:.6g} or less\n", fmt::format("  {} % of the area", ThicknessSummary::kPercentiles[i]), kLabelWidth, t.percentiles[i]);
+  if (!(t.limit > 0)) return text;
+  if (t.places.empty()) return text + fmt::format("nowhere thinner than {:.6g}\n", t.limit);
+  text += fmt::format("thinner than {:.6g}: {:.3g} % of the area, {}\n", t.limit, 100 * t.thin_area / t.area, plural(t.places.size(), "place", "places"));
+  for (std::size_t i = 0; i < std::min(places, t.places.size()); ++i) {
+    const ThinPlace& p = t.places[i];
+    text += fmt::format("  {:.6g} at {}, area {:.3g}, {:.3g} across\n", p.thickness, point_text(p.position), p.area, p.box.diagonal());
+  }
+  if (places < t.places.size()) text += fmt::format("  and {} more\n", t.places.size() - places);
+  return text;
+}
+
+}  // namespace
+
 std::string check_summary(const CheckResult& result, std::size_t places) {
   std::string text = input_line(result.input, result.input_format, result.unit);
   for (const Row& row : rows()) {
@@ -227,6 +248,7 @@ std::string check_summary(const CheckResult& result, std::size_t places) {
   }
   text += box_line(result.defects.box, result.unit);
   text += where(result.locations, places);
+  if (result.thickness) text += thickness_text(*result.thickness, places);
   if (result.valid_solid) return text + "\nvalid solid\n";
   return text + fmt::format("\nnot a valid solid: {}\n", problems(result.defects));
 }

@@ -38,7 +38,7 @@ class SweepCommand : public Command {
     return {"sweep",
             "Repairs a triangle file once and smooths it at several strengths.",
             {"burnish sweep IN --smooth L,L,... -o OUT-{}.stl [options]"},
-            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY or OFF file; '-' is standard input.", store_text(job_.input)}},
+            {{file("IN", kSurfaceInputs), "STL, OBJ, PLY, OFF or 3MF file; '-' is standard input.", store_text(job_.input)}},
             option_table(),
             kNotes,
             &job_.options.unit};

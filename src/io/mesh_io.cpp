@@ -12,22 +12,25 @@
 #include "readers.h"
 #include "suffix.h"
 #include "text_scanner.h"
+#include "threemf.h"
+#include "zip_archive.h"
 
 namespace burnish {
 namespace {
 
-enum class Kind { stl_binary, stl_ascii, obj, ply, off };
+enum class Kind { stl_binary, stl_ascii, obj, ply, off, threemf };
 
 // Where content is searched for signs of a format.
 constexpr std::size_t kHead = 4096;
 
-constexpr std::string_view kKnown = "give a file in one of the formats STL, OBJ, PLY or OFF";
+constexpr std::string_view kKnown = "give a file in one of the formats STL, OBJ, PLY, OFF or 3MF";
 
 std::optional<Kind> kind_of_suffix(const std::string& suffix) {
   if (suffix == ".stl" || suffix == ".stla" || suffix == ".stlb") return Kind::stl_binary;
   if (suffix == ".obj") return Kind::obj;
   if (suffix == ".ply") return Kind::ply;
   if (suffix == ".off") return Kind::off;
+  if (suffix == ".3mf") return Kind::threemf;
   return std::nullopt;
 }
 
@@ -80,6 +83,7 @@ bool is_off_word(std::string_view word) {
 
 std::optional<Kind> kind_of_content(std::string_view bytes) {
   if (is_exact_binary_stl(bytes)) return Kind::stl_binary;
+  if (is_zip(bytes)) return Kind::threemf;
   const std::string_view word = first_word(bytes);
   if (word == "ply") return Kind::ply;
   if (is_off_word(word)) return Kind::off;
@@ -103,8 +107,7 @@ void refuse_foreign(const Source& source) {
   struct Foreign {
     std::string_view magic, what, hint;
   };
-  constexpr std::array<Foreign, 6> kForeign{{
-      {"PK\x03\x04", "a ZIP archive (3MF files are ZIP archives too)", "unpack it, or export an STL"},
+  constexpr std::array<Foreign, 5> kForeign{{
       {"\x1f\x8b", "compressed with gzip", "unpack it with gunzip"},
       {"ISO-10303-21", "a STEP file", "export an STL"},
       {"glTF", "a binary glTF file", "export an STL"},
@@ -121,12 +124,14 @@ Kind kind_of(const Source& source, const std::optional<Kind>& by_suffix) {
   if (by_suffix == Kind::ply)
     source.fail_at(source.begin(), "expected 'ply', found " + quoted(first_word(source.bytes)), kKnown);
   if (by_suffix == Kind::off || by_suffix == Kind::obj) return *by_suffix;
+  if (by_suffix == Kind::threemf)
+    source.fail("expected a ZIP archive, as every 3MF is, found " + quoted(source.bytes.substr(0, 8)), kKnown);
   if (!has_binary_bytes(source.bytes)) refuse_unknown_text(source);
   return Kind::stl_binary;
 }
 
 MeshFile read_as(Kind kind, Source& source) {
-  source.is_text = kind != Kind::stl_binary;
+  source.is_text = kind != Kind::stl_binary && kind != Kind::threemf;
   switch (kind) {
     case Kind::stl_ascii:
       return read_stl_ascii(source);
@@ -136,6 +141,8 @@ MeshFile read_as(Kind kind, Source& source) {
       return read_ply(source);
     case Kind::off:
       return read_off(source);
+    case Kind::threemf:
+      return read_3mf(source);
     case Kind::stl_binary:
       break;
   }
@@ -166,8 +173,8 @@ MeshFile read_bytes(std::string_view bytes, const std::string& label, const Mesh
 }  // namespace
 
 std::string_view name(MeshFormat format) {
-  constexpr std::array<std::string_view, 6> kNames{"binary STL", "ASCII STL", "OBJ",
-                                                   "binary PLY", "ASCII PLY", "OFF"};
+  constexpr std::array<std::string_view, 7> kNames{"binary STL", "ASCII STL", "OBJ", "binary PLY",
+                                                   "ASCII PLY",  "OFF",       "3MF"};
   return kNames[static_cast<std::size_t>(format)];
 }
 
@@ -189,12 +196,16 @@ MeshFormat format_for_writing(const std::string& path) {
   if (kind == Kind::obj) return MeshFormat::obj;
   if (kind == Kind::ply) return MeshFormat::ply_binary;
   if (kind == Kind::off) return MeshFormat::off;
+  if (kind == Kind::threemf) {
+    require_3mf(path, ErrorCode::usage);
+    return MeshFormat::threemf;
+  }
   throw Error(ErrorCode::usage, fmt::format("{}: the suffix does not say which format to write", path),
-              "use .stl, .stla (ASCII), .ply, .obj or .off");
+              "use .stl, .stla (ASCII), .ply, .obj, .off or .3mf");
 }
 
 bool stores_float32(MeshFormat format) {
-  return format == MeshFormat::stl_binary || format == MeshFormat::stl_ascii;
+  return format == MeshFormat::stl_binary || format == MeshFormat::stl_ascii || format == MeshFormat::threemf;
 }
 
 }  // namespace burnish

@@ -14,5 +14,6 @@ MeshFile read_stl_ascii(const Source& source);
 MeshFile read_obj(const Source& source);
 MeshFile read_ply(const Source& source);
 MeshFile read_off(const Source& source);
+MeshFile read_3mf(const Source& source);  // any ZIP archive: refuses those that are no 3MF
 
 }  // namespace burnish

@@ -11,6 +11,7 @@
 #include "fd_writer.h"
 #include "stl_colors.h"
 #include "text_scanner.h"
+#include "threemf.h"
 
 namespace burnish {
 namespace {
@@ -45,6 +46,9 @@ class MeshWriter {
         break;
       case MeshFormat::off:
         write_off();
+        break;
+      case MeshFormat::threemf:
+        write_3mf(out_, label_, soup_, options_);
         break;
     }
     out_.flush();

@@ -6,6 +6,7 @@
 #include "burnish/io/marked_cells.h"
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
+#include "burnish/io/point_data.h"
 #include "burnish/surface/weld.h"
 #include "defect_cells.h"
 #include "read_input.h"
@@ -28,6 +29,35 @@ class DefectsOutput {
   MarkedFormat format_;
   OutputFile file_;
 };
+
+class ThicknessOutput {
+ public:
+  ThicknessOutput(const std::string& path, bool overwrite) : format_(marked_format_for_writing(path)), file_(path, overwrite) {}
+
+  void write(const TriangleSoup& soup, Progress& progress) {
+    progress.begin_stage("colouring");
+    const PointData data{soup, {PointArray{"thickness", thickness_at_points(soup, progress)}}, {"thickness in model units"}};
+    write_point_data(file_.fd(), file_.destination(), data, format_);
+    file_.commit();
+  }
+
+ private:
+  MarkedFormat format_;
+  OutputFile file_;
+};
+
+constexpr std::size_t kThicknessSamples = 40'000;  // besides one a facet
+
+void measure_thickness(const CheckJob& job, const TriangleSoup& soup, ThicknessOutput* output, CheckResult& result, Progress& progress) {
+  if (!result.valid_solid) {
+    result.warnings.push_back("no thickness: that is one of a valid solid; clean it first, by 'burnish IN -o OUT'");
+    return;
+  }
+  progress.begin_stage("measuring thickness");
+  const double limit = job.min_thickness ? job.min_thickness->in_model_units(result.defects.box.diagonal(), 0) : 0;
+  result.thickness = summary_of(soup, thickness_samples(soup, kThicknessSamples, progress), limit);
+  if (output) output->write(soup, progress);
+}
 
 TriangleSoup read_welded(const CheckJob& job, CheckResult& result, Progress& progress) {
   progress.begin_stage("reading");
@@ -66,6 +96,8 @@ CheckResult check(const CheckJob& job, Progress& progress) {
   result.input = job.input;
   std::optional<DefectsOutput> output;
   if (!job.defects_output.empty()) output.emplace(job.defects_output, job.overwrite);
+  std::optional<ThicknessOutput> thickness_output;
+  if (!job.thickness_output.empty()) thickness_output.emplace(job.thickness_output, job.overwrite);
   const TriangleSoup soup = read_welded(job, result, progress);
   progress.check();
   Found found = look_at(soup, result, progress);
@@ -74,6 +106,7 @@ CheckResult check(const CheckJob& job, Progress& progress) {
     output->write(defect_cells(soup, found.inspection.elements, found.map));
   }
   result.locations = std::move(found.map.defects);
+  if (job.thickness) measure_thickness(job, soup, thickness_output ? &*thickness_output : nullptr, result, progress);
   return result;
 }
 

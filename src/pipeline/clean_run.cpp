@@ -53,6 +53,7 @@ CleanRun::CleanRun(const CleanRun& base, const CleanJob& job, std::unique_ptr<Cl
 
 void CleanRun::take_output(std::unique_ptr<CleanedOutput> output) {
   output_ = std::move(output);
+  if (report_.unit) output_->set_unit(*report_.unit);
   report_.output = job_.output;
   report_.output_format = output_->format_name();
 }

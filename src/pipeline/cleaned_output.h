@@ -27,6 +27,8 @@ class CleanedOutput {
   // `keeps_written`: for `take_written`.
   explicit CleanedOutput(Precision precision, bool keeps_written = false);
 
+  // What the file will say its coordinates are in, if its format can; millimetres otherwise.
+  void set_unit(ModelUnit unit) { options_.unit = unit; }
   std::string format_name() const;
   bool stores_float32() const { return burnish::stores_float32(options_.format); }
   bool is_in_memory() const { return file_ == nullptr; }

@@ -40,6 +40,30 @@ class DeviationOutput {
   OutputFile file_;
 };
 
+// A at its new place. Named by what it is written from, with the unit that this had.
+class AlignedOutput {
+ public:
+  AlignedOutput(const std::string& path, bool overwrite) : file_(path, overwrite) { options_.format = format_for_writing(path); }
+
+  void write(const ComparedSide& a) {
+    if (a.unit) options_.unit = *a.unit;
+    write_mesh(file_.fd(), file_.destination(), a.soup, options_);
+    file_.commit();
+  }
+
+ private:
+  MeshWriteOptions options_;
+  OutputFile file_;
+};
+
+Registration align(ComparedSide& a, const ComparedSide& b, Progress& progress) {
+  progress.begin_stage("aligning");
+  const Registration found = register_rigidly(a.soup, b.soup, progress);
+  for (Vec3& p : a.soup.points) p = found.motion(p);
+  a.file.measures.box = bounding_box(a.soup);
+  return found;
+}
+
 // Files in different units are compared as they are, with a warning.
 std::optional<ModelUnit> unit_of(const CompareJob& job, ComparedSide& a, ComparedSide& b) {
   if (a.unit && b.unit && *a.unit != *b.unit)
@@ -112,10 +136,16 @@ std::vector<double> signed_distances(TriangleSoup surface, const std::vector<Vec
 CompareResult compare_files(const CompareJob& job, Progress& progress) {
   std::optional<DeviationOutput> output;
   if (!job.output.empty()) output.emplace(job.output, job.overwrite);
+  std::optional<AlignedOutput> aligned;
+  if (!job.aligned.empty()) aligned.emplace(job.aligned, job.overwrite);
   std::optional<ErrorMap> map;
   if (job.truth && !job.truth->map.empty()) map.emplace(job.truth->map, job.overwrite);
   ComparedSide a(job.a, job.salvage, progress), b(job.b, job.salvage, progress);
+  std::optional<Registration> alignment;
+  if (job.align) alignment = align(a, b, progress);
+  if (aligned) aligned->write(a);
   CompareResult result = measure(job, a, b, progress);
+  result.alignment = std::move(alignment);
   if (output) {
     output->write(a, b, progress);
     result.sign = b.rule;

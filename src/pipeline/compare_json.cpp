@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <numbers>
+
 #include "burnish/pipeline/compare_files.h"
 #include "burnish/pipeline/report.h"
 #include "json.h"
@@ -128,6 +130,27 @@ Json json_of(const std::optional<TruthComparison>& t) {
   };
 }
 
+Json json_of(const std::optional<Registration>& r) {
+  if (!r) return nullptr;
+  Json rotation = Json::array();
+  for (const Vec3& row : r->motion.rows) rotation.push_back(json_of(row));
+  return {
+      {"rotation", rotation},
+      {"translation", json_of(r->motion.translation)},
+      {"axis", json_of(r->motion.axis())},
+      {"angle_degrees", r->motion.angle() * 180 / std::numbers::pi},
+      {"rms_before", r->rms_before},
+      {"rms_after", r->rms_after},
+      {"rms_kept", r->rms_kept},
+      {"kept", r->kept},
+      {"samples", r->samples},
+      {"starts", r->starts},
+      {"iterations", r->iterations},
+      {"converged", r->converged},
+      {"free_motions", r->free_motions},
+  };
+}
+
 }  // namespace
 
 std::string to_json(const CompareResult& r) {
@@ -140,6 +163,7 @@ std::string to_json(const CompareResult& r) {
       {"difference", differences(r.a, r.b)},
       {"exact", r.exact},
       {"diagonal", r.diagonal},
+      {"alignment", json_of(r.alignment)},
       {"a_to_b", json_of(r.a_to_b, r.diagonal)},
       {"b_to_a", json_of(r.b_to_a, r.diagonal)},
       {"max", r.max()},

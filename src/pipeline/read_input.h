@@ -23,7 +23,7 @@ void require_measurable(const std::string& path, double diagonal);
 std::optional<ModelUnit> unit_of(const std::optional<ModelUnit>& told, const std::optional<ModelUnit>& of_file, std::vector<std::string>& warnings);
 
 // Reads and welds the file at `path` (or standard input, "-"), moves it to the origin if asked for, and resolves the lengths.
-// Tells report.input_format, .warnings, .groups, .recentred_by and .options. Throws Error as `read_mesh` does, and
+// Tells report.input_format, .unit, .warnings, .groups, .recentred_by and .options. Throws Error as `read_mesh` does, and
 // Error{unreadable_input} for a model whose volume is beyond double precision.
 TriangleSoup read_input(const std::string& path, bool salvage, const CleanOptions& options, RepairReport& report);
 

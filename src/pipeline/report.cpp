@@ -1,5 +1,7 @@
 #include "burnish/pipeline/report.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -301,6 +303,24 @@ std::string to_json(const RepairReport& r) {
   });
 }
 
+namespace {
+
+Json json_of(const ThinPlace& p) {
+  return {{"position", burnish::json_of(p.position)}, {"thickness", p.thickness}, {"area", p.area}, {"box", burnish::json_of(p.box)}, {"facet", p.facet}};
+}
+
+Json thickness_of(const std::optional<ThicknessSummary>& t) {
+  if (!t) return nullptr;
+  constexpr std::size_t kListed = 1000;
+  Json percentiles, places = Json::array();
+  for (std::size_t i = 0; i < t->percentiles.size(); ++i) percentiles[fmt::format("p{}", ThicknessSummary::kPercentiles[i])] = t->percentiles[i];
+  for (std::size_t i = 0; i < std::min(t->places.size(), kListed); ++i) places.push_back(json_of(t->places[i]));
+  return {{"minimum", t->minimum}, {"thinnest_at", burnish::json_of(t->thinnest_at)}, {"mean", t->mean}, {"percentiles", percentiles}, {"area", t->area}, {"samples", t->samples},
+          {"limit", t->limit > 0 ? Json(t->limit) : Json()}, {"thin_area", t->thin_area}, {"places_total", t->places.size()}, {"places", places}};
+}
+
+}  // namespace
+
 std::string to_json(const CheckResult& r) {
   return text_of({
       {"version", kReportVersion},
@@ -311,6 +331,7 @@ std::string to_json(const CheckResult& r) {
       {"defects", json_of(r.defects)},
       {"locations_total", totals_of(r.locations)},
       {"locations", largest_of(r.locations)},
+      {"thickness", thickness_of(r.thickness)},
   });
 }
 

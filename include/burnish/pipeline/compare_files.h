@@ -11,6 +11,7 @@
 #include "burnish/core/progress.h"
 #include "burnish/surface/compare.h"
 #include "burnish/surface/inspect.h"
+#include "burnish/surface/registration.h"
 #include "burnish/surface/signed_deviation.h"
 #include "burnish/surface/truth_error.h"
 
@@ -33,7 +34,9 @@ struct CompareJob {
   std::size_t samples = 200'000; // of each surface: by area, and as many of the vertices at most
   std::optional<Length> max;     // the largest distance for which the answer is yes; not in cells
   std::string output;            // where to write A with its deviation from B (.vtp or .ply); empty: nowhere
-  bool overwrite = false;        // an existing `output` or map may be replaced
+  bool overwrite = false;        // an existing output or map may be replaced
+  bool align = false;            // first move A onto B, rigidly
+  std::string aligned;           // where to write A as it was moved (a triangle file); empty: nowhere; asks for `align`
   std::optional<TruthJob> truth;
 };
 
@@ -77,7 +80,8 @@ struct CompareResult {
   std::optional<ModelUnit> unit;   // as the job says, or else as A does; empty: neither does
   ComparedFile a, b;
   bool exact = false;
-  double diagonal = 0;  // of A's bounding box: what percentages refer to
+  double diagonal = 0;  // of A's bounding box: what percentages refer to; after it was moved, if it was
+  std::optional<Registration> alignment;  // that moved A; everything else is told of A at its new place
   OneSidedComparison a_to_b, b_to_a;
   std::optional<double> limit;     // CompareJob::max in model units
   std::optional<SideRule> sign;    // how the sides of the output were told; empty without output
@@ -95,6 +99,9 @@ struct CompareResult {
 //
 // With `truth`, A's normals and distances are compared with B's as surface/truth_error.h says, and the same is done with a floor. Its map holds
 // A's surface with two numbers at each facet, taken at its centroid: `angle_error` in degrees and `distance_error` in model units.
+//
+// With `align`, A is moved onto B as surface/registration.h says before anything is measured but counts. Fits that are poor, or not unique, are
+// told in `alignment`, and are no error.
 //
 // Throws Error as `read_mesh` and OutputFile do, and Error{usage} for an `output` of another suffix, before anything is read.
 // Same bytes for any number of threads.

@@ -8,6 +8,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/timer.h"
+#include "burnish/core/model_unit.h"
 #include "burnish/pipeline/check.h"
 #include "burnish/pipeline/options.h"
 #include "burnish/surface/compare.h"
@@ -167,7 +168,7 @@ struct RepairReport {
   std::string input_format;
   std::string output;
   std::string output_format;
-  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does
+  std::optional<ModelUnit> unit;  // of the model's coordinates: as the job says, or else as the file does; empty: neither does. The output gets it, too
   ResolvedOptions options;
   std::optional<VolumeSummary> volume;  // of which the input is an iso-surface
   std::vector<GroupSummary> groups;  // of the input, as read

@@ -1,0 +1,105 @@
+// Laying one surface onto another: the motion that was applied comes back.
+#include "burnish/surface/registration.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "support/parts.h"
+#include "support/shapes.h"
+
+namespace burnish {
+namespace {
+
+using namespace test;
+
+RigidMotion turn(const Vec3& axis, double angle, const Vec3& shift) {
+  const Vec3 u = axis / norm(axis);
+  RigidMotion m;
+  for (int i = 0; i < 3; ++i) {
+    Vec3 e;
+    e[i] = 1;
+    const Vec3 column = e * std::cos(angle) + cross(u, e) * std::sin(angle) + u * (dot(u, e) * (1 - std::cos(angle)));
+    for (int r = 0; r < 3; ++r) m.rows[static_cast<std::size_t>(r)][i] = column[r];
+  }
+  m.translation = shift;
+  return m;
+}
+
+// No two ways to lay it onto itself.
+TriangleSoup odd_part(int n) { return merged(bracket(n), moved(box({0.4, 0.2, 0.5}, n, n, n), {0.3, 0.1, 0.6})); }
+
+double largest_error(const TriangleSoup& a, const RigidMotion& found, const RigidMotion& truth) {
+  double error = 0;
+  for (const Vec3& p : a.points) error = std::max(error, norm(found(p) - truth(p)));
+  return error / bounding_box(a).diagonal();
+}
+
+TriangleSoup by(const RigidMotion& m, const TriangleSoup& soup) {
+  return mapped(soup, [&](const Vec3& p) { return m(p); });
+}
+
+TEST(Registration, FindsRandomMotionsOfIdenticalSurfaces) {
+  std::mt19937_64 random(3);
+  std::uniform_real_distribution<double> unit(-1, 1);
+  const TriangleSoup part = odd_part(4);
+  for (int i = 0; i < 12; ++i) {
+    const double angle = i == 0 ? std::numbers::pi : std::numbers::pi * unit(random);
+    const RigidMotion truth = turn({unit(random), unit(random), unit(random)}, angle, Vec3{unit(random), unit(random), unit(random)} * 20);
+    const Registration r = register_rigidly(part, by(truth, part));
+    EXPECT_LT(largest_error(part, r.motion, truth), 1e-9) << i;
+    EXPECT_TRUE(r.converged);
+    EXPECT_EQ(r.free_motions, 0);
+    EXPECT_GT(r.kept, 0.99);
+  }
+}
+
+TEST(Registration, DoesNotNeedTheSameTriangles) {
+  const RigidMotion truth = turn({1, 2, -1}, 2.5, {7, -9, 4});
+  const auto part = [](int n) { return merged(box({3, 1, 0.5}, n, n, n), moved(box({0.4, 0.2, 0.5}, n, n, n), {0.3, 0.1, 0.5})); };
+  EXPECT_LT(largest_error(part(2), register_rigidly(part(2), by(truth, part(5))).motion, truth), 1e-6);
+}
+
+// No point is off by as much as a single point's noise.
+TEST(Registration, IsBetterThanTheNoise) {
+  const TriangleSoup part = odd_part(8);
+  const double sigma = 2e-3 * bounding_box(part).diagonal();
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> noise(0, sigma);
+  const RigidMotion truth = turn({0, 1, 1}, 1.2, {3, 3, 3});
+  const TriangleSoup noisy = mapped(part, [&](const Vec3& p) { return p + Vec3{noise(random), noise(random), noise(random)}; });
+  const Registration r = register_rigidly(noisy, by(truth, part));
+  EXPECT_LT(largest_error(part, r.motion, truth), 2e-3);
+}
+
+TEST(Registration, APieceMayBeMissing) {
+  const TriangleSoup part = odd_part(6);
+  std::vector<std::size_t> gone;
+  for (std::size_t f = 0; f < part.facets.size(); ++f)
+    if (part.corner(f, 0).x > 2.2) gone.push_back(f);
+  const RigidMotion truth = turn({1, -1, 3}, 2.9, {10, 0, -4});
+  const TriangleSoup scan = by(truth, without_facets(part, gone));
+  EXPECT_LT(largest_error(part, register_rigidly(part, scan).motion, truth), 1e-6);
+  EXPECT_LT(largest_error(part, register_rigidly(scan, part).motion.inverse(), truth), 1e-6);
+}
+
+TEST(Registration, DoesNotMirror) {
+  const TriangleSoup part = odd_part(4);
+  const Registration r = register_rigidly(mapped(part, [](const Vec3& p) { return Vec3{-p.x, p.y, p.z}; }), part);
+  EXPECT_NEAR(dot(cross(r.motion.rows[0], r.motion.rows[1]), r.motion.rows[2]), 1, 1e-12);
+  EXPECT_GT(r.rms_after, 1e-3);
+}
+
+TEST(Registration, SaysWhatIsNotUnique) {
+  const TriangleSoup plane = height_field(4, [](int, int) { return 0.0; });
+  EXPECT_EQ(register_rigidly(plane, moved(plane, {0.1, 0, 0.2})).free_motions, 3);
+  const TriangleSoup point{{{1, 1, 1}}, {{0, 0, 0}}, {}};
+  EXPECT_EQ(register_rigidly(point, plane).free_motions, 6);
+  const Registration cubes = register_rigidly(cube(), moved(cube(), {4, 5, 6}));
+  EXPECT_LT(cubes.rms_after, 1e-9);
+}
+
+}  // namespace
+}  // namespace burnish
