@@ -14,7 +14,7 @@ namespace {
 
 using namespace test;
 
-MeshWriteOptions as_3mf(ModelUnit unit = ModelUnit::millimeter) {
+MeshWriteOptions as_3mf(ModelUnit unit = ModelUnit::millimetre) {
   MeshWriteOptions options;
   options.format = MeshFormat::threemf;
   options.unit = unit;
@@ -22,11 +22,11 @@ MeshWriteOptions as_3mf(ModelUnit unit = ModelUnit::millimeter) {
 }
 
 TEST(ThreeMf, UnitsHaveTheirNamesAndLengths) {
-  EXPECT_EQ(model_unit("inch"), ModelUnit::inch);
-  EXPECT_EQ(name(ModelUnit::micron), "micron");
+  EXPECT_EQ(model_unit("in"), ModelUnit::inch);
+  EXPECT_EQ(name(ModelUnit::micrometre), "um");
   EXPECT_FALSE(model_unit("Meter"));
-  EXPECT_EQ(in_metres(ModelUnit::foot), 0.3048);
-  EXPECT_DOUBLE_EQ(in_metres(ModelUnit::inch) * 12, in_metres(ModelUnit::foot));
+  EXPECT_EQ(converted(1, ModelUnit::foot, ModelUnit::metre), 0.3048);
+  EXPECT_DOUBLE_EQ(converted(12, ModelUnit::inch, ModelUnit::foot), 1);
 }
 
 TEST(ThreeMf, GivesBackEveryBitOfFloatsAndTheUnit) {
