@@ -147,6 +147,14 @@ TriangleSoup soup_of(const py::tuple& surface) {
   return soup;
 }
 
+std::optional<ModelUnit> unit_of(const py::tuple& surface) {
+  if (surface[4].is_none()) return std::nullopt;
+  const std::string given = py::str(surface[4]);
+  const std::optional<ModelUnit> unit = model_unit(given);
+  if (!unit) refuse(fmt::format("unit '{}': expected 'mm', 'cm', 'm', 'in', 'um' or 'ft', or None", given));
+  return unit;
+}
+
 py::dict arrays_of(TriangleSoup&& soup) {
   py::dict result;
   py::list groups;

@@ -6,9 +6,11 @@
 #include <pybind11/numpy.h>
 #include <pybind11/pybind11.h>
 
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "burnish/core/model_unit.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -19,6 +21,8 @@ std::vector<Vec3> points_of(const pybind11::handle& array, const std::string& wh
 // vertices, faces ((m, 3), int32, int64, uint32 or uint64), groups (a list of (bytes or str, first, count)), and colors ((m, 4) uint8, or None).
 // Throws Error{usage} that names array, row, expected and found.
 TriangleSoup soup_of(const pybind11::tuple& surface);
+// The fifth of the tuple: a unit's name, or None. Throws Error{usage} for another.
+std::optional<ModelUnit> unit_of(const pybind11::tuple& surface);
 
 // {"vertices": ..., "faces": ..., "groups": [...], "colors": ... or None}, without a copy.
 pybind11::dict arrays_of(TriangleSoup&& soup);

@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "burnish/core/error.h"
+#include "burnish/core/model_unit.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
@@ -78,8 +79,9 @@ void set_option(const Option& row, const std::string& keyword, const py::handle&
   row.set({keyword, text, row.value.words});
 }
 
-CleanOptions clean_options_of(const py::dict& given) {
+CleanOptions clean_options_of(const py::dict& given, const std::optional<ModelUnit>& unit) {
   CleanOptions options;
+  options.unit = unit;
   const std::vector<Option> rows = with_clean_options({}, options);
   for (const auto& [key, value] : given) {
     const std::string keyword = key.cast<std::string>();
@@ -96,8 +98,18 @@ std::vector<std::string> warnings_of(const CleanOptions& options, const RepairRe
   return warnings;
 }
 
+std::optional<ModelUnit> unit_of_source(const py::object& source) {
+  return py::isinstance<py::tuple>(source) ? unit_of(source) : std::nullopt;
+}
+
+// The words of a file that says another unit than --units; a Mesh says it in memory.
+void warn_of_units(const std::optional<ModelUnit>& of_source, const CleanOptions& options, std::vector<std::string>& warnings) {
+  if (of_source && options.unit != of_source)
+    warnings.push_back(fmt::format("the mesh says that its unit is {}, units says {}: the latter was believed, and no coordinate is changed", name(*of_source), name(*options.unit)));
+}
+
 CleanedSurface run_clean(const py::object& source, const CleanOptions& options, bool salvage, Precision precision, const RunSettings& settings) {
-  if (!py::isinstance<py::str>(source)) {
+  if (py::isinstance<py::tuple>(source)) {
     TriangleSoup soup = soup_of(source);
     return run(settings, [&](Progress& progress) { return clean(std::move(soup), options, precision, progress); });
   }
@@ -130,15 +142,18 @@ py::dict read(const std::string& path, bool salvage, bool welded) {
   }
   py::dict result = arrays_of(std::move(file.soup));
   result["format"] = name(file.format);
+  result["unit"] = file.unit ? py::object(py::str(std::string(name(*file.unit)))) : py::none();
   result["warnings"] = file.warnings;
   return result;
 }
 
 void write(const std::string& path, const py::tuple& surface, bool overwrite) {
   const TriangleSoup soup = soup_of(surface);
+  const std::optional<ModelUnit> unit = unit_of(surface);
   const py::gil_scoped_release released;
   MeshWriteOptions options;
   options.format = format_for_writing(path);
+  if (unit) options.unit = *unit;
   OutputFile file(path, overwrite);
   write_mesh(file.fd(), file.destination(), soup, options);
   file.commit();
@@ -153,9 +168,11 @@ py::dict check(const py::tuple& surface, const RunSettings& settings) {
 }
 
 py::dict clean(const py::object& source, const py::dict& given, bool salvage, bool float32, const RunSettings& settings) {
-  const CleanOptions options = clean_options_of(given);
+  const std::optional<ModelUnit> unit = unit_of_source(source);
+  const CleanOptions options = clean_options_of(given, unit);
   CleanedSurface cleaned = run_clean(source, options, salvage, float32 ? Precision::float32 : Precision::float64, settings);
-  const RepairReport& report = cleaned.report;
+  RepairReport& report = cleaned.report;
+  warn_of_units(unit, options, report.warnings);
   py::dict result = arrays_of(std::move(cleaned.surface));
   result["json"] = to_json(report);
   result["warnings"] = warnings_of(options, report);
@@ -168,8 +185,11 @@ py::dict compare(const py::tuple& a, const py::tuple& b, std::size_t samples, bo
   CompareJob job;
   job.samples = samples;
   job.exact = exact;
+  job.unit = unit_of(a);
   TriangleSoup first = soup_of(a), second = soup_of(b);
-  const CompareResult compared = run(settings, [&](Progress& progress) { return compare_surfaces(std::move(first), std::move(second), job, progress); });
+  CompareResult compared = run(settings, [&](Progress& progress) { return compare_surfaces(std::move(first), std::move(second), job, progress); });
+  if (const auto of_b = unit_of(b); job.unit && of_b && job.unit != of_b)
+    compared.b.warnings.push_back(fmt::format("its unit is {}, that of A is {}: coordinates are compared as they are", name(*of_b), name(*job.unit)));
   py::dict result;
   result["json"] = to_json(compared);
   return result;

@@ -1,4 +1,4 @@
-// The functions of `_burnish`. What they take has been sorted by the Python side: surfaces are paths or tuples (vertices, faces, groups, colors), options texts
+// The functions of `_burnish`. What they take has been sorted by the Python side: surfaces are paths or tuples (vertices, faces, groups, colors, unit), options texts
 // or bools by keyword. All let go of the GIL while they work.
 #pragma once
 

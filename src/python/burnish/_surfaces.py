@@ -29,6 +29,7 @@ class Mesh:
         file: where it was read from, or "".
         format: such as "binary STL", or "".
         warnings: what the reader tolerated, one sentence each.
+        unit: what coordinates are in: "mm", "cm", "m", "in", "um" or "ft"; None if nobody says so. Of files, a 3MF does.
     """
 
     vertices: np.ndarray
@@ -38,6 +39,7 @@ class Mesh:
     file: str = ""
     format: str = ""
     warnings: list = field(default_factory=list)
+    unit: Optional[str] = None
 
     @property
     def names(self):
@@ -97,6 +99,11 @@ class CleanResult:
     failure: Optional[Error]
 
     @property
+    def unit(self):
+        """What coordinates are in, such as "mm": as `units` said, or else as the input does; None if neither did."""
+        return self.report["units"]
+
+    @property
     def verified(self):
         """Whether these arrays were found to be a valid solid (a valid sheet, where openings were to stay)."""
         return self.report["output"]["verified"] and self.failure is None
@@ -136,7 +143,7 @@ def is_path(value):
 
 
 def read(path, salvage=False, weld=True):
-    """Reads an STL, OBJ, PLY or OFF file.
+    """Reads an STL, OBJ, PLY, OFF or 3MF file.
 
     Args:
         path: the file; its format is found from its content.
@@ -145,41 +152,45 @@ def read(path, salvage=False, weld=True):
             vertices of its own per face, and other files those that they list.
 
     Returns:
-        Mesh: coordinates are exact; stored normals are not looked at.
+        Mesh: coordinates are exact; stored normals are not looked at. Of a 3MF, `unit` is the file's, and coordinates are as it has them.
 
     Raises:
         UnreadableInputError: names file, place, what was expected and what was found.
     """
     path = os.fspath(path)
     found = _burnish.read(path, salvage, weld)
-    return Mesh(found["vertices"], found["faces"], [Group(*g) for g in found["groups"]], found["colors"], path, found["format"], found["warnings"])
+    return Mesh(found["vertices"], found["faces"], [Group(*g) for g in found["groups"]], found["colors"], path, found["format"], found["warnings"],
+                found["unit"])
 
 
-def write(path, vertices, faces=None, overwrite=False):
-    """Writes a surface: .stl (binary), .stla (ASCII), .ply (binary, double precision), .obj or .off.
+def write(path, vertices, faces=None, overwrite=False, unit=None):
+    """Writes a surface: .stl (binary), .stla (ASCII), .ply (binary, double precision), .obj, .off or .3mf.
 
     Args:
         path: the file; it appears under its name only once it is complete.
         vertices: (n, 3) float32 or float64; or a Mesh, a CleanResult, or whatever has `vertices` and `faces`, and then no `faces`.
         faces: (m, 3) int32, int64, uint32 or uint64.
         overwrite: an existing file may be replaced.
+        unit: what a .3mf says that coordinates are in: "mm", "cm", "m", "in", "um" or "ft". None: that of the Mesh or CleanResult, or else "mm".
+            Other formats have none. No coordinate is changed.
 
     Raises:
         UnwritableOutputError: the file exists, or cannot be written.
-        UsageError: the suffix is unknown, or an array is no surface.
+        UsageError: the suffix or the unit is unknown, or an array is no surface.
     """
-    _burnish.write(os.fspath(path), arrays_of(vertices, faces), overwrite)
+    surface = arrays_of(vertices, faces)
+    _burnish.write(os.fspath(path), surface if unit is None else surface[:4] + (unit,), overwrite)
 
 
 def arrays_of(vertices, faces):
-    """(vertices, faces, groups, colors) of what stands for a surface."""
+    """(vertices, faces, groups, colors, unit) of what stands for a surface."""
     if faces is not None:
-        return as_array(vertices, float), as_array(faces, np.int64), (), None
+        return as_array(vertices, float), as_array(faces, np.int64), (), None, None
     if isinstance(vertices, tuple) and len(vertices) == 2:
         return arrays_of(*vertices)
     if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
-        known = isinstance(vertices, (Mesh, CleanResult))
-        return (as_array(vertices.vertices, float), as_array(vertices.faces, np.int64), vertices.groups if known else (), vertices.colors if known else None)
+        arrays = as_array(vertices.vertices, float), as_array(vertices.faces, np.int64)
+        return arrays + ((vertices.groups, vertices.colors, vertices.unit) if isinstance(vertices, (Mesh, CleanResult)) else ((), None, None))
     raise UsageError(f"a {type(vertices).__name__} is no surface", "give vertices and faces, a Mesh, or a path")
 
 
