@@ -69,24 +69,24 @@ void set_switch(const Option& row, const std::string& keyword, bool on, const st
   opposite->set({keyword, ""});
 }
 
-// A value, by the rules of the command line; messages name the keyword.
-void set_option(const Option& row, const std::string& keyword, const py::handle& value, const std::vector<Option>& rows) {
+// A value, by the rules of the command line; messages name the keyword. `unit`: the model's, if it is known.
+void set_option(const Option& row, const std::string& keyword, const py::handle& value, const std::optional<ModelUnit>& unit, const std::vector<Option>& rows) {
   const bool is_bool = py::isinstance<py::bool_>(value);
   if (row.value.empty() != is_bool)
     throw Error(ErrorCode::usage, fmt::format("{} {}: expected {}", keyword, std::string(py::str(value)), is_bool ? "a value" : "True or False"), std::string(row.help));
   if (is_bool) return set_switch(row, keyword, value.cast<bool>(), rows);
   const std::string text = value.cast<std::string>();
-  row.set({keyword, text, row.value.words});
+  row.set({keyword, text, row.value.words, unit});
 }
 
 CleanOptions clean_options_of(const py::dict& given, const std::optional<ModelUnit>& unit) {
   CleanOptions options;
   options.unit = unit;
   const std::vector<Option> rows = with_clean_options({}, options);
-  for (const auto& [key, value] : given) {
-    const std::string keyword = key.cast<std::string>();
-    set_option(row_of(keyword, rows), keyword, value, rows);
-  }
+  const auto set = [&](const std::string& keyword, const py::handle& value) { set_option(row_of(keyword, rows), keyword, value, options.unit, rows); };
+  if (given.contains("units")) set("units", given["units"]);  // before the lengths that may be in another
+  for (const auto& [key, value] : given)
+    if (const std::string keyword = key.cast<std::string>(); keyword != "units") set(keyword, value);
   require_consistent(options);
   return options;
 }

@@ -70,6 +70,22 @@ def test_a_unit_that_is_none_is_refused(tmp_path, cube):
     assert not (tmp_path / "a.stl").exists()
 
 
+def test_lengths_may_have_a_unit_where_the_models_is_known():
+    def smooth_of(surface, **options):
+        return burnish.clean(surface, mode="volume", resolution=24, **options).report["options"]["smooth"]
+
+    ball, in_inches = burnish.Mesh(*sphere(3)), burnish.Mesh(*sphere(3), unit="in")
+    assert smooth_of(ball, smooth=0.05) == 0.05
+    # Wherever `units` stands.
+    assert smooth_of(ball, units="mm", smooth="0.05mm") == smooth_of(ball, smooth="0.05mm", units="mm") == 0.05
+    assert smooth_of(ball, units="cm", smooth="0.5mm") == pytest.approx(0.05, rel=1e-15)
+    assert smooth_of(ball, units="in", smooth="2.54mm") == smooth_of(in_inches, smooth="2.54mm") == pytest.approx(0.1, rel=1e-15)
+    with pytest.raises(burnish.UsageError, match="smooth 0.05mm"):
+        smooth_of(ball, smooth="0.05mm")
+    with pytest.raises(burnish.UsageError, match="units yard"):
+        smooth_of(ball, units="yard")
+
+
 def test_comparisons_tell_the_unit_and_that_there_are_two(cube):
     inches, feet = burnish.Mesh(*cube, unit="in"), burnish.Mesh(*cube, unit="ft")
     found = burnish.compare(inches, feet, samples=100)

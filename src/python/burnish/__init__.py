@@ -76,7 +76,8 @@ def clean(vertices, faces=None, *, float32=False, salvage=False, allow_invalid=F
         progress: called as progress(stage, fraction) about ten times a second; what it raises stops the run.
         time_limit: in seconds.
         options: those of the command line, with underscores for hyphens. Values are read by the same rules: lengths are numbers in the model's units
-            (0.5), or texts in percent of the box' diagonal ("0.2%") or in cells ("2h"); a switch is True. None: not given. These are:
+            (0.5), or texts in percent of the box' diagonal ("0.2%"), in cells ("2h"), or, where `units` or the Mesh says what the model is in, in a
+            unit ("0.2mm"); a switch is True. None: not given. These are:
 
     @OPTIONS@
 

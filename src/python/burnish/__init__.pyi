@@ -108,6 +108,7 @@ def clean(
     array: Optional[str] = ...,
     method: Optional[str] = ...,
     nested: Optional[str] = ...,
+    units: Optional[str] = ...,
     gap: Optional[Length] = ...,
     recentre: Optional[bool] = ...,
     max_hole: Optional[Length] = ...,
