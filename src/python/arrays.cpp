@@ -123,11 +123,6 @@ py::array lay_on(std::vector<Row>&& rows, py::ssize_t columns) {
   return py::array_t<T>(shape, reinterpret_cast<const T*>(held->data()), owner);
 }
 
-// Names are bytes; those that are no UTF-8 come to Python with surrogates, and back as they were.
-py::str text_of(const std::string& bytes) {
-  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(bytes.data(), static_cast<py::ssize_t>(bytes.size()), "surrogateescape"));
-}
-
 }  // namespace
 
 std::vector<Vec3> points_of(const py::handle& given, const std::string& what) {
@@ -145,6 +140,10 @@ TriangleSoup soup_of(const py::tuple& surface) {
   soup.groups = groups_of(surface[2], soup.facets.size());
   soup.colors = colors_of(surface[3], soup.facets.size());
   return soup;
+}
+
+py::str text_of(const std::string& bytes, const char* how) {
+  return py::reinterpret_steal<py::str>(PyUnicode_DecodeUTF8(bytes.data(), static_cast<py::ssize_t>(bytes.size()), how));
 }
 
 std::optional<ModelUnit> unit_of(const py::tuple& surface) {

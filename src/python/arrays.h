@@ -21,6 +21,9 @@ std::vector<Vec3> points_of(const pybind11::handle& array, const std::string& wh
 // vertices, faces ((m, 3), int32, int64, uint32 or uint64), groups (a list of (bytes or str, first, count)), and colors ((m, 4) uint8, or None).
 // Throws Error{usage} that names array, row, expected and found.
 TriangleSoup soup_of(const pybind11::tuple& surface);
+// Bytes as a str. Those that are no UTF-8 are surrogates, and come back as they were; or, for texts that are only to be shown, `how` is "backslashreplace".
+pybind11::str text_of(const std::string& bytes, const char* how = "surrogateescape");
+
 // The fifth of the tuple: a unit's name, or None. Throws Error{usage} for another.
 std::optional<ModelUnit> unit_of(const pybind11::tuple& surface);
 

@@ -3,7 +3,9 @@
 #include <pybind11/pybind11.h>
 
 #include <exception>
+#include <string>
 
+#include "arrays.h"
 #include "burnish/core/build_info.h"
 #include "burnish/core/error.h"
 #include "run.h"
@@ -12,11 +14,14 @@ namespace py = pybind11;
 
 namespace {
 
+// Names in messages may hold any bytes.
+py::str shown(const std::string& message) { return burnish::text_of(message, "backslashreplace"); }
+
 void translate(std::exception_ptr thrown) {
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const burnish::Error& error) {
-    const py::object exception = py::module_::import("burnish._errors").attr("error_of")(burnish::name(error.code()), error.what(), error.hint());
+    const py::object exception = py::module_::import("burnish._errors").attr("error_of")(burnish::name(error.code()), shown(error.what()), shown(error.hint()));
     PyErr_SetObject(py::type::handle_of(exception).ptr(), exception.ptr());
   }
 }

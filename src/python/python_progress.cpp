@@ -7,6 +7,7 @@
 #include <thread>
 #include <utility>
 
+#include "arrays.h"
 #include "burnish/core/timer.h"
 
 namespace burnish {
@@ -51,7 +52,7 @@ struct PythonProgress::State {
       const std::lock_guard lock(mutex);
       name = stage;
     }
-    if (!name.empty()) callback(name, fraction.load());
+    if (!name.empty()) callback(text_of(name, "backslashreplace"), fraction.load());
   }
 };
 

@@ -73,10 +73,16 @@ void set_switch(const Option& row, const std::string& keyword, bool on, const st
 void set_option(const Option& row, const std::string& keyword, const py::handle& value, const std::optional<ModelUnit>& unit, const std::vector<Option>& rows) {
   const bool is_bool = py::isinstance<py::bool_>(value);
   if (row.value.empty() != is_bool)
-    throw Error(ErrorCode::usage, fmt::format("{} {}: expected {}", keyword, std::string(py::str(value)), is_bool ? "a value" : "True or False"), std::string(row.help));
+    throw Error(ErrorCode::usage, fmt::format("{} {}: expected {}", keyword, is_bool ? std::string(py::str(value)) : value.cast<std::string>(), is_bool ? "a value" : "True or False"), std::string(row.help));
   if (is_bool) return set_switch(row, keyword, value.cast<bool>(), rows);
   const std::string text = value.cast<std::string>();
   row.set({keyword, text, row.value.words, unit});
+}
+
+py::list sentences_of(const std::vector<std::string>& sentences) {
+  py::list list;
+  for (const std::string& s : sentences) list.append(text_of(s, "backslashreplace"));
+  return list;
 }
 
 CleanOptions clean_options_of(const py::dict& given, const std::optional<ModelUnit>& unit) {
@@ -143,7 +149,7 @@ py::dict read(const std::string& path, bool salvage, bool welded) {
   py::dict result = arrays_of(std::move(file.soup));
   result["format"] = name(file.format);
   result["unit"] = file.unit ? py::object(py::str(std::string(name(*file.unit)))) : py::none();
-  result["warnings"] = file.warnings;
+  result["warnings"] = sentences_of(file.warnings);
   return result;
 }
 
@@ -161,6 +167,7 @@ void write(const std::string& path, const py::tuple& surface, bool overwrite) {
 
 py::dict check(const py::tuple& surface, const RunSettings& settings) {
   TriangleSoup soup = soup_of(surface);
+  static_cast<void>(unit_of(surface));  // nothing is told in it, and one that does not exist is refused here too
   const CheckResult found = run(settings, [&](Progress& progress) { return check(std::move(soup), progress); });
   py::dict result;
   result["json"] = to_json(found);
@@ -175,9 +182,9 @@ py::dict clean(const py::object& source, const py::dict& given, bool salvage, bo
   warn_of_units(unit, options, report.warnings);
   py::dict result = arrays_of(std::move(cleaned.surface));
   result["json"] = to_json(report);
-  result["warnings"] = warnings_of(options, report);
+  result["warnings"] = sentences_of(warnings_of(options, report));
   result["failure"] = py::none();
-  if (report.failure) result["failure"] = py::make_tuple(name(report.failure->code()), report.failure->what(), report.failure->hint());
+  if (report.failure) result["failure"] = py::make_tuple(name(report.failure->code()), text_of(report.failure->what(), "backslashreplace"), text_of(report.failure->hint(), "backslashreplace"));
   return result;
 }
 

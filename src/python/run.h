@@ -1,5 +1,5 @@
-// The functions of `_burnish`. What they take has been sorted by the Python side: surfaces are paths or tuples (vertices, faces, groups, colors, unit), options texts
-// or bools by keyword. All let go of the GIL while they work.
+// The functions of `_burnish`. What they take has been sorted by the Python side: paths are bytes, surfaces tuples (vertices, faces, groups, colors, unit),
+// options bytes or bools by keyword. All let go of the GIL while they work.
 #pragma once
 
 #include <pybind11/numpy.h>

@@ -32,7 +32,7 @@ def test_help_of_clean_teaches_every_option():
 def test_every_option_of_the_command_line_is_a_keyword(program):
     text = subprocess.run([program, "--help"], capture_output=True, text=True, check=True).stdout
     flags = set(re.findall(r"^ +(?:-[a-z], )?(--[a-z-]+)", text, re.M))
-    of_the_program = {"--html", "--output", "--overwrite", "--snapshots", "--report", "--json", "--quiet", "--verbose", "--help", "--version"}
+    of_the_program = {"--html", "--output", "--overwrite", "--snapshots", "--report", "--json", "--quiet", "--verbose", "--help", "--version", "--config", "--save-config", "--jobs"}
     keywords = {"--" + name.replace("_", "-") for name in inspect.signature(burnish.clean).parameters}
     assert flags - of_the_program <= keywords and len(flags) > 40
 

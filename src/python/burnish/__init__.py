@@ -16,10 +16,10 @@ Functions let other threads of Python run while they work, use all processors un
 Ctrl-C stops them with KeyboardInterrupt. All errors are burnish.Error; see the classes.
 """
 import json as _json
-import os as _os
 
 from . import _burnish
 from ._burnish import __version__
+from ._arguments import path_of as _path_of, positive as _positive, whole as _whole
 from ._errors import BugError, Error, GuaranteeError, MemoryLimitError, TimeLimitError, UnreadableInputError, UnwritableOutputError, UsageError, error_of as _error_of
 from ._options import texts_of as _texts_of, with_options as _with_options
 from ._surfaces import (Check, CleanResult, Comparison, Group, Mesh, arrays_of as _arrays_of, as_array as _as_array, is_path as _is_path, read,
@@ -30,13 +30,9 @@ __all__ = ["BugError", "Check", "CleanResult", "Comparison", "Error", "Group", "
 
 
 def _settings(threads, progress, time_limit):
-    if threads is not None and (isinstance(threads, bool) or int(threads) != threads or not 1 <= threads <= 4096):
-        raise UsageError(f"threads {threads}: expected a whole number from 1 to 4096")
     if progress is not None and not callable(progress):
         raise UsageError(f"progress: expected something to call, found {type(progress).__name__}", "progress=lambda stage, fraction: ...")
-    if time_limit is not None and not time_limit > 0:
-        raise UsageError(f"time_limit {time_limit}: expected seconds above 0")
-    return (None if threads is None else int(threads), progress, None if time_limit is None else float(time_limit))
+    return (None if threads is None else _whole(threads, "threads", 1, 4096), progress, None if time_limit is None else _positive(time_limit, "time_limit", "seconds"))
 
 
 def check(vertices, faces=None, *, salvage=False, threads=None, progress=None, time_limit=None):
@@ -93,7 +89,7 @@ def clean(vertices, faces=None, *, float32=False, salvage=False, allow_invalid=F
         >>> result = burnish.clean(vertices, faces, smooth="0.5%", mode="volume", resolution=200)
         >>> result.report["after"]["volume"]
     """
-    source = _os.fspath(vertices) if faces is None and _is_path(vertices) else _arrays_of(vertices, faces)
+    source = _path_of(vertices) if faces is None and _is_path(vertices) else _arrays_of(vertices, faces)
     found = _burnish.clean(source, _texts_of(options), salvage, float32, _settings(threads, progress, time_limit))
     failure = _error_of(*found["failure"]) if found["failure"] else None
     result = CleanResult(found["vertices"], found["faces"], [Group(*g) for g in found["groups"]], found["colors"], _json.loads(found["json"]), found["warnings"], failure)
@@ -120,11 +116,10 @@ def compare(a, b, *, samples=200_000, exact=False, vertices=False, threads=None,
     Raises:
         UsageError, UnreadableInputError: as `check` does.
     """
-    if isinstance(samples, bool) or int(samples) != samples or not 1 <= samples <= 20_000_000:
-        raise UsageError(f"samples {samples}: expected a whole number from 1 to 20000000")
+    samples = _whole(samples, "samples", 1, 20_000_000)
     settings = _settings(threads, progress, time_limit)
     (first, _), (second, _) = _surface_of(a), _surface_of(b)
-    found = _json.loads(_burnish.compare(first, second, int(samples), exact, settings)["json"])
+    found = _json.loads(_burnish.compare(first, second, samples, exact, settings)["json"])
     of_a = _burnish.signed_distance(second, first[0], exact, settings) if vertices else None
     of_b = _burnish.signed_distance(first, second[0], exact, settings) if vertices else None
     a_to_b, b_to_a = found["a_to_b"], found["b_to_a"]

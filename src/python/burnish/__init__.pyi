@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike, NDArray
 
 __version__: str
 
-Path = Union[str, "PathLike[str]"]
+Path = Union[str, bytes, "PathLike[str]", "PathLike[bytes]"]
 Length = Union[float, str]
 ProgressCall = Callable[[str, float], Any]
 
@@ -106,9 +106,9 @@ def clean(
     iso: Optional[Union[float, str]] = ...,
     below: Optional[bool] = ...,
     array: Optional[str] = ...,
+    units: Optional[str] = ...,
     method: Optional[str] = ...,
     nested: Optional[str] = ...,
-    units: Optional[str] = ...,
     gap: Optional[Length] = ...,
     recentre: Optional[bool] = ...,
     max_hole: Optional[Length] = ...,

@@ -6,6 +6,7 @@ import textwrap
 from typing import NamedTuple
 
 from . import _burnish
+from ._arguments import bytes_of
 
 
 class Option(NamedTuple):
@@ -23,10 +24,10 @@ OPTIONS = [Option(*row) for row in _burnish.clean_options()]
 
 def texts_of(options):
     """Options as the command line would read them; what is None is left out. True and False stay."""
-    return {keyword: text_of(value) for keyword, value in options.items() if value is not None}
+    return {keyword: text_of(value, keyword) for keyword, value in options.items() if value is not None}
 
 
-def text_of(value):
+def text_of(value, keyword):
     """A number, a path or a text as the command line would read it."""
     if isinstance(value, bool) or type(value).__name__ == "bool_":
         return bool(value)
@@ -34,7 +35,7 @@ def text_of(value):
         return str(int(value))
     if isinstance(value, numbers.Real):
         return repr(float(value))
-    return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
+    return bytes_of(os.fspath(value) if isinstance(value, (bytes, os.PathLike)) else str(value), keyword)
 
 
 def with_options(function):

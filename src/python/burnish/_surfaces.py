@@ -1,4 +1,5 @@
 """What goes in and comes out: surfaces, and the results about them."""
+import operator
 import os
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple, Optional
@@ -6,11 +7,12 @@ from typing import Any, NamedTuple, Optional
 import numpy as np
 
 from . import _burnish
+from ._arguments import name_of, path_of
 from ._errors import Error, UsageError
 
 
 class Group(NamedTuple):
-    """A named run of faces: a solid of an STL, a group of an OBJ or PLY."""
+    """A named run of faces: a solid of an STL, a group of an OBJ or PLY. Bytes of a name that are no UTF-8 are surrogates, as os.fsdecode makes them."""
 
     name: str
     first: int
@@ -139,14 +141,14 @@ class Comparison:
 
 def is_path(value):
     """Whether it names a file."""
-    return isinstance(value, (str, os.PathLike))
+    return isinstance(value, (str, bytes, os.PathLike))
 
 
 def read(path, salvage=False, weld=True):
     """Reads an STL, OBJ, PLY, OFF or 3MF file.
 
     Args:
-        path: the file; its format is found from its content.
+        path: the file, a str, bytes or an os.PathLike; its format is found from its content.
         salvage: take what a truncated or malformed file holds, with warnings, instead of refusing it.
         weld: let faces that meet at bitwise equal coordinates share vertices, in the order of their first use. Without, an STL has three
             vertices of its own per face, and other files those that they list.
@@ -156,10 +158,11 @@ def read(path, salvage=False, weld=True):
 
     Raises:
         UnreadableInputError: names file, place, what was expected and what was found.
+        UsageError: the path has a NUL in it.
     """
-    path = os.fspath(path)
+    path = path_of(path)
     found = _burnish.read(path, salvage, weld)
-    return Mesh(found["vertices"], found["faces"], [Group(*g) for g in found["groups"]], found["colors"], path, found["format"], found["warnings"],
+    return Mesh(found["vertices"], found["faces"], [Group(*g) for g in found["groups"]], found["colors"], os.fsdecode(path), found["format"], found["warnings"],
                 found["unit"])
 
 
@@ -179,7 +182,7 @@ def write(path, vertices, faces=None, overwrite=False, unit=None):
         UsageError: the suffix or the unit is unknown, or an array is no surface.
     """
     surface = arrays_of(vertices, faces)
-    _burnish.write(os.fspath(path), surface if unit is None else surface[:4] + (unit,), overwrite)
+    _burnish.write(path_of(path), surface if unit is None else surface[:4] + (unit,), overwrite)
 
 
 def arrays_of(vertices, faces):
@@ -190,8 +193,32 @@ def arrays_of(vertices, faces):
         return arrays_of(*vertices)
     if hasattr(vertices, "vertices") and hasattr(vertices, "faces"):
         arrays = as_array(vertices.vertices, float), as_array(vertices.faces, np.int64)
-        return arrays + ((vertices.groups, vertices.colors, vertices.unit) if isinstance(vertices, (Mesh, CleanResult)) else ((), None, None))
+        return arrays + ((groups_of(vertices.groups), vertices.colors, vertices.unit) if isinstance(vertices, (Mesh, CleanResult)) else ((), None, None))
     raise UsageError(f"a {type(vertices).__name__} is no surface", "give vertices and faces, a Mesh, or a path")
+
+
+def groups_of(groups):
+    """As (bytes, int, int)."""
+    return [group_of(group, f"groups: group {i}") for i, group in enumerate(groups)]
+
+
+def group_of(group, what):
+    """One of them."""
+    try:
+        name, first, count = group
+        return name_of(name, what), run_of(first), run_of(count)
+    except UsageError:
+        raise
+    except (TypeError, ValueError):
+        raise UsageError(f"{what}: expected a name, the first face and the number of faces, found {group!r}", "burnish.Group(name, first, count)") from None
+
+
+def run_of(number):
+    """An index of a face, or how many there are."""
+    number = operator.index(number)
+    if abs(number) >= 2**63:
+        raise ValueError(number)
+    return number
 
 
 def surface_of(vertices, faces=None, salvage=False):
