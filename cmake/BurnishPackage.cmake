@@ -72,7 +72,12 @@ pkg-config need to find them.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-burnish)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
 set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3, python3-numpy")
+# The module is compiled for one version of the interpreter.
+if(BURNISH_HAS_PYTHON)
+  math(EXPR next_minor "${Python3_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "python3 (>= ${Python3_VERSION_MAJOR}.${Python3_VERSION_MINOR}~), python3 (<< ${Python3_VERSION_MAJOR}.${next_minor}~), python3-numpy")
+endif()
 set(CPACK_COMPONENT_PYTHON_DESCRIPTION "Burnish repairs triangle meshes: the result is closed, oriented and free of
 self-intersections.
 .

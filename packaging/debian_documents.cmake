@@ -1,4 +1,5 @@
-# Run by cpack when all components are staged: adds what every Debian package has under /usr/share/doc, and gives each file its time.
+# Run by cpack when all components are staged: adds what every Debian package has under /usr/share/doc,
+# puts the Python module where Debian has those of packages, and gives each file its time.
 # Folders of components and the packages that are made of them:
 set(package_of_program burnish)
 set(package_of_development libburnish-dev)
@@ -17,6 +18,11 @@ foreach(component program development python)
   endif()
   set(documents "${root}${CPACK_PACKAGING_INSTALL_PREFIX}/share/doc/${package_of_${component}}")
   file(MAKE_DIRECTORY "${documents}")
+  # Where packages of Debian have modules, whatever the prefix that the build was configured with.
+  file(GLOB versioned "${root}${CPACK_PACKAGING_INSTALL_PREFIX}/lib/python3.*")
+  if(versioned)
+    file(RENAME "${versioned}" "${root}${CPACK_PACKAGING_INSTALL_PREFIX}/lib/python3")
+  endif()
   file(COPY_FILE "${BURNISH_PACKAGING_SOURCE}/packaging/copyright" "${documents}/copyright")
   write_compressed("${BURNISH_PACKAGING_SOURCE}/CHANGELOG.md" "${documents}/changelog")
   write_compressed("${BURNISH_PACKAGING_CHANGELOG}" "${documents}/changelog.Debian")

@@ -57,7 +57,8 @@ class Packages(unittest.TestCase):
         return {p.relative_to(root).as_posix() for p in root.rglob("*") if not p.is_dir()}
 
     def test_packages_are_those_of_the_components(self):
-        self.assertEqual(set(self.packages) - {"python3-burnish"}, {"burnish", "libburnish-dev"} if IS_RELEASE else {"burnish"})
+        python = {"python3-burnish"} if list((BUILD / "python/burnish").glob("_burnish.*.so")) and IS_RELEASE else set()
+        self.assertEqual(set(self.packages) - python, {"burnish", "libburnish-dev"} if IS_RELEASE else {"burnish"})
 
     def test_control_fields(self):
         version = re.search(r"project\(burnish VERSION ([\d.]+)", (SOURCE / "CMakeLists.txt").read_text())[1]
@@ -97,6 +98,22 @@ class Packages(unittest.TestCase):
             self.assertTrue([f for f in files if f.startswith("usr/lib/") and f.endswith(name)], name)
         depends = fields_of(self.packages["libburnish-dev"])["Depends"].split(", ")
         self.assertLessEqual({"libfmt-dev", "zlib1g-dev", "libgmp-dev", "libmpfr-dev"}, set(depends))
+
+    @unittest.skipUnless(IS_RELEASE, "not a Release build")
+    def test_the_python_package(self):
+        if "python3-burnish" not in self.packages:
+            self.skipTest("built without the Python package")
+        module = "usr/lib/python3/dist-packages/burnish/"
+        sources = {module + p.name for p in (SOURCE / "src/python/burnish").iterdir() if p.suffix in (".py", ".pyi", ".typed")}
+        documents = {f"usr/share/doc/python3-burnish/{name}" for name in ("copyright", "changelog.gz", "changelog.Debian.gz")}
+        rest = self.files("python3-burnish") - sources - documents
+        self.assertLessEqual(sources | documents, self.files("python3-burnish"))
+        self.assertRegex(" ".join(rest), rf"^{module}_burnish\.cpython-\d+-[\w-]+\.so$")
+        depends = fields_of(self.packages["python3-burnish"])["Depends"]
+        major, minor = re.search(r"cpython-(\d)(\d+)", " ".join(rest)).groups()
+        for word in (f"python3 (>= {major}.{minor}~)", f"python3 (<< {major}.{int(minor) + 1}~)", "python3-numpy"):
+            self.assertIn(word, depends.split(", "))
+        self.assertRegex(depends, r"(^|, )libc6 \(>= ")
 
     @unittest.skipUnless(IS_RELEASE, "not a Release build")
     def test_no_path_of_the_build_is_inside(self):
