@@ -110,13 +110,17 @@ CheckResult check(const CheckJob& job, Progress& progress) {
   return result;
 }
 
-CheckResult check(TriangleSoup soup, Progress& progress) {
+CheckResult check(TriangleSoup soup, Progress& progress) { return check(std::move(soup), CheckJob{}, progress); }
+
+CheckResult check(TriangleSoup soup, const CheckJob& job, Progress& progress) {
   CheckResult result;
   result.input = result.input_format = kInMemory;
+  result.unit = job.unit;
   progress.begin_stage("welding");
   soup = weld(std::move(soup));
   progress.check();
   result.locations = look_at(soup, result, progress).map.defects;
+  if (job.thickness) measure_thickness(job, soup, nullptr, result, progress);
   return result;
 }
 

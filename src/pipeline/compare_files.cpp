@@ -97,7 +97,10 @@ CompareResult measure(const CompareJob& job, ComparedSide& a, ComparedSide& b, P
 
 CompareResult compare_surfaces(TriangleSoup a, TriangleSoup b, const CompareJob& job, Progress& progress) {
   ComparedSide first(std::move(a), progress), second(std::move(b), progress);
+  std::optional<Registration> alignment;
+  if (job.align) alignment = align(first, second, progress);
   CompareResult result = measure(job, first, second, progress);
+  result.alignment = std::move(alignment);
   result.a = std::move(first.file);
   result.b = std::move(second.file);
   return result;

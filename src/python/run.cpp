@@ -15,11 +15,13 @@
 #include "burnish/core/parallel.h"
 #include "burnish/io/mesh_io.h"
 #include "burnish/io/output_file.h"
+#include "burnish/pipeline/check.h"
 #include "burnish/pipeline/clean.h"
 #include "burnish/pipeline/compare_files.h"
 #include "burnish/surface/weld.h"
 #include "cli/clean_options.h"
 #include "cli/suggest.h"
+#include "cli/values.h"
 #include "python_progress.h"
 
 namespace py = pybind11;
@@ -165,10 +167,13 @@ void write(const std::string& path, const py::tuple& surface, bool overwrite) {
   file.commit();
 }
 
-py::dict check(const py::tuple& surface, const RunSettings& settings) {
+py::dict check(const py::tuple& surface, bool thickness, const py::object& min_thickness, const RunSettings& settings) {
   TriangleSoup soup = soup_of(surface);
-  static_cast<void>(unit_of(surface));  // nothing is told in it, and one that does not exist is refused here too
-  const CheckResult found = run(settings, [&](Progress& progress) { return check(std::move(soup), progress); });
+  CheckJob job;
+  job.unit = unit_of(surface);
+  job.thickness = thickness || !min_thickness.is_none();
+  if (!min_thickness.is_none()) job.min_thickness = length_without_cells({"min_thickness", min_thickness.cast<std::string_view>(), {}, job.unit});
+  const CheckResult found = run(settings, [&](Progress& progress) { return check(std::move(soup), job, progress); });
   py::dict result;
   result["json"] = to_json(found);
   return result;
@@ -188,10 +193,11 @@ py::dict clean(const py::object& source, const py::dict& given, bool salvage, bo
   return result;
 }
 
-py::dict compare(const py::tuple& a, const py::tuple& b, std::size_t samples, bool exact, const RunSettings& settings) {
+py::dict compare(const py::tuple& a, const py::tuple& b, std::size_t samples, bool exact, bool align, const RunSettings& settings) {
   CompareJob job;
   job.samples = samples;
   job.exact = exact;
+  job.align = align;
   job.unit = unit_of(a);
   TriangleSoup first = soup_of(a), second = soup_of(b);
   CompareResult compared = run(settings, [&](Progress& progress) { return compare_surfaces(std::move(first), std::move(second), job, progress); });

@@ -16,11 +16,11 @@ using RunSettings = pybind11::tuple;
 pybind11::list clean_options();
 pybind11::dict read(const std::string& path, bool salvage, bool weld);
 void write(const std::string& path, const pybind11::tuple& surface, bool overwrite);
-// {"json": text of the check}.
-pybind11::dict check(const pybind11::tuple& surface, const RunSettings& settings);
+// {"json": text of the check}. `min_thickness`: bytes, or None.
+pybind11::dict check(const pybind11::tuple& surface, bool thickness, const pybind11::object& min_thickness, const RunSettings& settings);
 // arrays_of, and "json" (the report), "warnings", "failure" (None, or (code, message, hint)).
 pybind11::dict clean(const pybind11::object& source, const pybind11::dict& options, bool salvage, bool float32, const RunSettings& settings);
-pybind11::dict compare(const pybind11::tuple& a, const pybind11::tuple& b, std::size_t samples, bool exact, const RunSettings& settings);
+pybind11::dict compare(const pybind11::tuple& a, const pybind11::tuple& b, std::size_t samples, bool exact, bool align, const RunSettings& settings);
 pybind11::array signed_distance(const pybind11::tuple& surface, const pybind11::object& points, bool exact, const RunSettings& settings);
 
 }  // namespace burnish

@@ -128,3 +128,35 @@ def test_distances_to_a_sphere_are_within_the_facets_sag():
     # Facets lie inside the sphere, by (circumradius)^2 / 2 at most.
     assert error.min() >= -1e-15 and error.max() <= edge**2 / 6 * 1.05
     assert np.abs(burnish.signed_distance(vertices, faces, vertices)).max() == 0
+
+
+def test_thickness_is_that_of_the_box(tmp_path, program, cube):
+    vertices, faces = cube[0] * [4, 5, 0.25], cube[1]
+    found = burnish.check(vertices, faces, min_thickness=0.3)
+    assert found.valid_solid and found.too_thin and not found
+    assert found.thickness["minimum"] == pytest.approx(0.25, rel=1e-9) and found.thickness["limit"] == 0.3
+    assert found.thickness["places"][0]["thickness"] == pytest.approx(0.25, rel=1e-9)
+    burnish.write(tmp_path / "plate.ply", vertices, faces)
+    told = json.loads(subprocess.run([program, "check", tmp_path / "plate.ply", "--json", "--min-thickness=0.3"], capture_output=True, text=True).stdout)
+    assert found.thickness == told["thickness"] == burnish.check(tmp_path / "plate.ply", min_thickness="0.3").thickness
+    assert burnish.check(vertices, faces, min_thickness=0.2) and burnish.check(vertices, faces).thickness is None
+    assert burnish.check(vertices, faces, thickness=True).thickness["limit"] is None
+    assert burnish.check(burnish.Mesh(vertices, faces, unit="cm"), min_thickness="3mm").thickness["limit"] == pytest.approx(0.3, rel=1e-15)
+    open_box = burnish.check(vertices, faces[1:], thickness=True)
+    assert open_box.thickness is None and not open_box.too_thin and open_box.warnings[0].startswith("no thickness")
+    for wrong in ("2h", "3mm", -1, True, "thin"):
+        with pytest.raises(burnish.UsageError, match="min_thickness"):
+            burnish.check(vertices, faces, min_thickness=wrong)
+
+
+def test_alignment_is_the_motion_that_was_undone(cube):
+    # A wedge of three different sides and no symmetry: a motion is found as it was.
+    vertices = cube[0] * [3, 2, 1] + 0.4 * cube[0][:, [1, 2, 0]] * cube[0][:, [0, 1, 2]]
+    turn = np.deg2rad(25)
+    rotation = np.array([[np.cos(turn), -np.sin(turn), 0], [np.sin(turn), np.cos(turn), 0], [0, 0, 1]])
+    moved = vertices @ rotation.T + [5, -2, 1]
+    found = burnish.compare((moved, cube[1]), (vertices, cube[1]), samples=2000, align=True, vertices=True)
+    assert np.allclose(np.array(found.alignment["rotation"]), rotation.T, atol=1e-7)
+    assert np.allclose(moved @ np.array(found.alignment["rotation"]).T + found.alignment["translation"], vertices, atol=1e-7)
+    assert found.max < 1e-7 and np.abs(found.vertices_a).max() < 1e-7
+    assert burnish.compare((moved, cube[1]), (vertices, cube[1]), samples=2000).alignment is None

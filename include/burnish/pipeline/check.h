@@ -53,5 +53,7 @@ CheckResult check(const CheckJob& job, Progress& progress = no_progress());
 
 // The same of a surface in memory, welded or not, without an output.
 CheckResult check(TriangleSoup soup, Progress& progress = no_progress());
+// Of the job, `thickness`, `min_thickness` and `unit` count.
+CheckResult check(TriangleSoup soup, const CheckJob& job, Progress& progress = no_progress());
 
 }  // namespace burnish

@@ -107,7 +107,7 @@ struct CompareResult {
 // Same bytes for any number of threads.
 CompareResult compare_files(const CompareJob& job, Progress& progress = no_progress());
 
-// The same of two surfaces in memory, welded or not: of the job, `exact`, `samples` and `max` count.
+// The same of two surfaces in memory, welded or not: of the job, `unit`, `exact`, `samples`, `max` and `align` count.
 CompareResult compare_surfaces(TriangleSoup a, TriangleSoup b, const CompareJob& job, Progress& progress = no_progress());
 
 // The distance of each point from the surface, welded or not, in model units: positive outside and negative inside, as SideRule tells for it.

@@ -17,11 +17,13 @@ Ctrl-C stops them with KeyboardInterrupt. All errors are burnish.Error; see the 
 """
 import json as _json
 
+import numpy as _np
+
 from . import _burnish
 from ._burnish import __version__
 from ._arguments import path_of as _path_of, positive as _positive, whole as _whole
 from ._errors import BugError, Error, GuaranteeError, MemoryLimitError, TimeLimitError, UnreadableInputError, UnwritableOutputError, UsageError, error_of as _error_of
-from ._options import texts_of as _texts_of, with_options as _with_options
+from ._options import text_of as _text_of, texts_of as _texts_of, with_options as _with_options
 from ._surfaces import (Check, CleanResult, Comparison, Group, Mesh, arrays_of as _arrays_of, as_array as _as_array, is_path as _is_path, read,
                         surface_of as _surface_of, write)
 
@@ -35,25 +37,31 @@ def _settings(threads, progress, time_limit):
     return (None if threads is None else _whole(threads, "threads", 1, 4096), progress, None if time_limit is None else _positive(time_limit, "time_limit", "seconds"))
 
 
-def check(vertices, faces=None, *, salvage=False, threads=None, progress=None, time_limit=None):
+def check(vertices, faces=None, *, salvage=False, thickness=False, min_thickness=None, threads=None, progress=None, time_limit=None):
     """Says what is wrong with a surface and where, and whether it is a valid solid.
 
     Args:
         vertices: (n, 3) float32 or float64; or a Mesh or a path, and then no `faces`.
         faces: (m, 3) int32, int64, uint32 or uint64.
         salvage: of a path: take what a broken file holds.
+        thickness: also measure how thick a valid solid is.
+        min_thickness: also list where it is thinner than this length, as in `clean`; implies `thickness`.
         threads, progress, time_limit: as in `clean`.
 
     Returns:
-        Check: true where the surface is a valid solid. Vertices at bitwise equal coordinates count as one.
+        Check: true where the surface is a valid solid that is nowhere thinner than `min_thickness`, if that is given. Vertices at bitwise equal
+        coordinates count as one.
 
     Raises:
         UsageError: the arrays are no surface; the message names array, row, expected and found.
         UnreadableInputError: of a path.
     """
     surface, warnings = _surface_of(vertices, faces, salvage)
-    found = _json.loads(_burnish.check(surface, _settings(threads, progress, time_limit))["json"])
-    return Check(found["defects"]["valid_solid"], found["defects"], found["locations"], found["locations_total"], warnings + found["warnings"])
+    limit = None if min_thickness is None else _text_of(min_thickness, "min_thickness")
+    if isinstance(limit, bool):
+        raise UsageError(f"min_thickness {limit}: expected a length")
+    found = _json.loads(_burnish.check(surface, bool(thickness), limit, _settings(threads, progress, time_limit))["json"])
+    return Check(found["defects"]["valid_solid"], found["defects"], found["locations"], found["locations_total"], warnings + found["warnings"], found["thickness"])
 
 
 @_with_options
@@ -100,7 +108,7 @@ def clean(vertices, faces=None, *, float32=False, salvage=False, allow_invalid=F
     return result
 
 
-def compare(a, b, *, samples=200_000, exact=False, vertices=False, threads=None, progress=None, time_limit=None):
+def compare(a, b, *, samples=200_000, exact=False, vertices=False, align=False, threads=None, progress=None, time_limit=None):
     """Says how far two surfaces are from each other, both ways, and where.
 
     Args:
@@ -108,6 +116,7 @@ def compare(a, b, *, samples=200_000, exact=False, vertices=False, threads=None,
         samples: taken of each by area, and as many vertices at most.
         exact: take every distance by exact arithmetic: about 15 times slower.
         vertices: also give the signed distance of each vertex, as arrays in the order of the vertices given.
+        align: first move `a` onto `b`, rigidly, from any position; everything is then told of it at its new place.
         threads, progress, time_limit: as in `clean`.
 
     Returns:
@@ -119,11 +128,14 @@ def compare(a, b, *, samples=200_000, exact=False, vertices=False, threads=None,
     samples = _whole(samples, "samples", 1, 20_000_000)
     settings = _settings(threads, progress, time_limit)
     (first, _), (second, _) = _surface_of(a), _surface_of(b)
-    found = _json.loads(_burnish.compare(first, second, samples, exact, settings)["json"])
+    found = _json.loads(_burnish.compare(first, second, samples, exact, bool(align), settings)["json"])
+    alignment = found["alignment"]
+    if vertices and alignment:
+        first = (first[0] @ _np.array(alignment["rotation"]).T + alignment["translation"], *first[1:])
     of_a = _burnish.signed_distance(second, first[0], exact, settings) if vertices else None
     of_b = _burnish.signed_distance(first, second[0], exact, settings) if vertices else None
     a_to_b, b_to_a = found["a_to_b"], found["b_to_a"]
-    return Comparison(a_to_b, b_to_a, max(a_to_b["distance"]["max"], b_to_a["distance"]["max"]), found["diagonal"], of_a, of_b, found)
+    return Comparison(a_to_b, b_to_a, max(a_to_b["distance"]["max"], b_to_a["distance"]["max"]), found["diagonal"], of_a, of_b, found, alignment)
 
 
 def signed_distance(vertices, faces, points=None, *, exact=True, threads=None, progress=None, time_limit=None):

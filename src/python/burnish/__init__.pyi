@@ -39,6 +39,9 @@ class Check:
     locations: list[dict[str, Any]]
     locations_total: dict[str, int]
     warnings: list[str]
+    thickness: Optional[dict[str, Any]]
+    @property
+    def too_thin(self) -> bool: ...
     def __bool__(self) -> bool: ...
 
 
@@ -64,6 +67,7 @@ class Comparison:
     vertices_a: Optional[NDArray[np.float64]]
     vertices_b: Optional[NDArray[np.float64]]
     report: dict[str, Any]
+    alignment: Optional[dict[str, Any]]
 
 
 class Error(Exception):
@@ -86,9 +90,9 @@ Surface = Union[Path, Mesh, CleanResult, tuple[ArrayLike, ArrayLike], Any]
 
 def read(path: Path, salvage: bool = ..., weld: bool = ...) -> Mesh: ...
 def write(path: Path, vertices: Any, faces: Optional[ArrayLike] = ..., overwrite: bool = ..., unit: Optional[str] = ...) -> None: ...
-def check(vertices: Any, faces: Optional[ArrayLike] = ..., *, salvage: bool = ..., threads: Optional[int] = ..., progress: Optional[ProgressCall] = ...,
-          time_limit: Optional[float] = ...) -> Check: ...
-def compare(a: Surface, b: Surface, *, samples: int = ..., exact: bool = ..., vertices: bool = ..., threads: Optional[int] = ...,
+def check(vertices: Any, faces: Optional[ArrayLike] = ..., *, salvage: bool = ..., thickness: bool = ..., min_thickness: Optional[Length] = ...,
+          threads: Optional[int] = ..., progress: Optional[ProgressCall] = ..., time_limit: Optional[float] = ...) -> Check: ...
+def compare(a: Surface, b: Surface, *, samples: int = ..., exact: bool = ..., vertices: bool = ..., align: bool = ..., threads: Optional[int] = ...,
             progress: Optional[ProgressCall] = ..., time_limit: Optional[float] = ...) -> Comparison: ...
 def signed_distance(vertices: Any, faces: ArrayLike, points: Optional[ArrayLike] = ..., *, exact: bool = ..., threads: Optional[int] = ...,
                     progress: Optional[ProgressCall] = ..., time_limit: Optional[float] = ...) -> NDArray[np.float64]: ...

@@ -61,7 +61,8 @@ class Check:
         defects: counts by name, such as defects["open_edges"], with volume, area, mean_edge and box; self_intersecting_pairs is exact.
         locations: one dict for each place: kind, position, box, count, length, area, facet. By kind, the largest first, up to 1000 of each kind.
         locations_total: how many there are of each kind.
-        warnings: of the reader, if a file was checked.
+        warnings: of the reader, if a file was checked, and why there is no thickness.
+        thickness: where it was asked for, of a valid solid: a dict (docs/report.md) with minimum, thinnest_at, mean, percentiles, limit, thin_area and places; else None.
     """
 
     valid_solid: bool
@@ -69,14 +70,20 @@ class Check:
     locations: list
     locations_total: dict
     warnings: list
+    thickness: Optional[dict] = None
+
+    @property
+    def too_thin(self):
+        """Whether it is thinner somewhere than `min_thickness`."""
+        return self.thickness is not None and self.thickness["thin_area"] > 0
 
     def __bool__(self):
-        """Whether the surface is a valid solid."""
-        return self.valid_solid
+        """Whether the surface is a valid solid that is not too thin."""
+        return self.valid_solid and not self.too_thin
 
     def __repr__(self):
         wrong = ", ".join(f"{count} {kind}" for kind, count in self.locations_total.items() if count)
-        return f"<burnish.Check: {'a valid solid' if self.valid_solid else wrong or 'no valid solid'}>"
+        return f"<burnish.Check: {'a valid solid, too thin' if self.too_thin else 'a valid solid' if self.valid_solid else wrong or 'no valid solid'}>"
 
 
 @dataclass(eq=False)
@@ -125,6 +132,8 @@ class Comparison:
         diagonal: of the box of `a`.
         vertices_a: (n,) float64, distance of each vertex of `a` from `b`, positive outside; None unless asked for. vertices_b: likewise, from `a`.
         report: what `burnish compare --json` prints, as a dict.
+        alignment: how `a` was moved, if that was asked for: a dict with rotation (rows) and translation, such that a point p went to rotation @ p + translation,
+            angle_degrees, rms_before, rms_after, kept, converged and more (docs/cli.md); else None.
     """
 
     a_to_b: dict
@@ -134,6 +143,7 @@ class Comparison:
     vertices_a: Optional[np.ndarray]
     vertices_b: Optional[np.ndarray]
     report: dict
+    alignment: Optional[dict] = None
 
     def __repr__(self):
         return f"<burnish.Comparison: max {self.max:.6g}, mean {self.a_to_b['distance']['mean']:.6g} and {self.b_to_a['distance']['mean']:.6g}>"
