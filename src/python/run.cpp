@@ -11,6 +11,7 @@
 
 #include "arrays.h"
 #include "burnish/core/error.h"
+#include "burnish/core/length.h"
 #include "burnish/core/model_unit.h"
 #include "burnish/core/parallel.h"
 #include "burnish/io/mesh_io.h"
@@ -21,7 +22,6 @@
 #include "burnish/surface/weld.h"
 #include "cli/clean_options.h"
 #include "cli/suggest.h"
-#include "cli/values.h"
 #include "python_progress.h"
 
 namespace py = pybind11;
@@ -106,6 +106,13 @@ std::vector<std::string> warnings_of(const CleanOptions& options, const RepairRe
   return warnings;
 }
 
+Length thickness_limit(const std::string& text, const std::optional<ModelUnit>& unit) {
+  const auto length = parse_length(text, unit);
+  if (length && length->value > 0 && length->unit != LengthUnit::cells) return *length;
+  throw Error(ErrorCode::usage, fmt::format("min_thickness {}: expected a length above 0, not in cells", text),
+              "write it as 0.5, as 0.2% of the diagonal, or, of a Mesh with a unit, as 0.5mm");
+}
+
 std::optional<ModelUnit> unit_of_source(const py::object& source) {
   return py::isinstance<py::tuple>(source) ? unit_of(source) : std::nullopt;
 }
@@ -172,7 +179,7 @@ py::dict check(const py::tuple& surface, bool thickness, const py::object& min_t
   CheckJob job;
   job.unit = unit_of(surface);
   job.thickness = thickness || !min_thickness.is_none();
-  if (!min_thickness.is_none()) job.min_thickness = length_without_cells({"min_thickness", min_thickness.cast<std::string_view>(), {}, job.unit});
+  if (!min_thickness.is_none()) job.min_thickness = thickness_limit(min_thickness.cast<std::string>(), job.unit);
   const CheckResult found = run(settings, [&](Progress& progress) { return check(std::move(soup), job, progress); });
   py::dict result;
   result["json"] = to_json(found);
