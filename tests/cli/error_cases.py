@@ -1,29 +1,27 @@
-"""What provokes each message of docs/errors.md: rows of cases.py, rows of this file, other tests, or a reason why nothing can.
+"""What provokes each message of docs/errors.md: rows, other tests, or a reason why nothing can.
 
 A message counts as provoked when
-  * a row of cases.py or of ROWS printed it, with its exit code (the rows are run, and what they print is compared with the catalogue), or
-  * a scenario (tests/cli/*_scenarios.py) or a C++ test asserts its text: a piece of the message, of LEAST_PIECE letters or more, stands in a literal there, or
+  * a row of cases.py, or of a table of ROWS, printed it with its exit code (the rows are run, and what they print is compared with the catalogue), or
+  * NAMED has the name of a test that asserts it: the test exists, and a literal in it holds a piece of the message that no other message has, or
   * EXEMPT says why it cannot be provoked from outside.
-To add a message: scripts/check_errors says where it is to be listed; a row here, unless another test has it already.
+To add a message: scripts/check_errors says where it is to be listed; a row in the table of its topic (error_rows.py, option_rows.py, batch_rows.py, threemf_rows.py).
 """
-import base64
 import importlib.machinery
 import importlib.util
-import re
 import shlex
-import struct
-import subprocess
 import sys
-from dataclasses import dataclass, field
-from pathlib import Path
 
+import batch_rows
 import cases
-import models
+import error_rows
+import named_tests
+import option_rows
 import runner
-from ic_scenarios import HEADER, write_case
+import threemf_rows
+from provoked import regex_of
 
-ROOT = Path(__file__).resolve().parents[2]
-LEAST_PIECE = 11  # letters of a message that a literal of another test has to hold
+ROOT = named_tests.ROOT
+ROWS = [*error_rows.ROWS, *option_rows.ROWS, *batch_rows.ROWS, *threemf_rows.ROWS]
 
 
 def load_checker():
@@ -35,43 +33,13 @@ def load_checker():
     return module
 
 
-def regex_of(message):
-    return re.compile(".*?".join(re.escape(part) for part in message.split("{}")), re.DOTALL)
-
-
-LITERAL = re.compile(r'"((?:\\.|[^"\\\n])*)"')
-# What separates fixed text within a literal: metacharacters of regular expressions, and fmt's fields.
-JOINT = re.compile(r"\\[dwsSDWnAZb]|\{[^}]*\}|[.\])?][*+?]+|\[[^\]]*\][*+]?|[()|^$*]")
-
-
-def asserted_texts():
-    """Fixed pieces of text in the literals of scenarios and C++ tests, long enough to be of one message."""
-    pieces = set()
-    for folder, pattern in (("tests/cli", "*_scenarios.py"), ("tests/cli", "scenarios.py"), ("tests", "**/*_test.cpp")):
-        for path in (ROOT / folder).glob(pattern):
-            for literal in LITERAL.findall(path.read_text(encoding="utf-8")):
-                parts = [re.sub(r"\\(?=\W)", "", part).strip(" :,") for part in JOINT.split(literal)]
-                pieces.update(p for p in parts if len(p) >= LEAST_PIECE)
-    return pieces
-
-
-def unprovoked(catalogue, printed):
-    """Rows of the catalogue that nothing provokes; `printed`: (exit code, text on standard error) of all commands that were run."""
-    pieces = asserted_texts()
-    for code, message, number, _ in catalogue:
-        wanted = regex_of(message)
-        ran = any((code == "-" or code == str(c)) and wanted.search(text) for c, text in printed)
-        told = any(piece in message for piece in pieces)
-        if not ran and not told and message not in EXEMPT:
-            yield code, message, number
-
-
 FROM_LIBRARY = "the command line checks this first: only a caller of the library can meet it"
 TOO_LARGE = "takes an input or a result of billions of items"
 NO_MEMORY = "the system has to refuse memory at this very moment"
 INVARIANT = "a broken invariant of Burnish itself"
 RACE = "the disk has to fail, or somebody else to change it, between two steps"
 BUILD = "depends on how this build was configured; the other kind of build is tested"
+SHARED = "makes a batch run the file again with all of the memory, and is never printed (scenario a_share_of_the_memory_changes_no_result)"
 RARE = "depends on the geometry of a result in ways that no small input is known to bring about"
 
 EXEMPT = {message: reason for reason, messages in {
@@ -98,7 +66,13 @@ the surface to remesh is no 2-manifold: shells share a point
 the patch {} is to be of two types, {} and {}
 the surface reaches the end of the domain
 no such example shape
-{}: the format has no cells for the {} polyhedra of the mesh""",
+{}: the format has no cells for the {} polyhedra of the mesh
+{}: version {} of gmsh's format is not written
+--verify-exact compares with the facets of the input, and --smooth moves the surface away from them
+the edge length to remesh to is not positive
+the field has no boundaryField
+volume fractions need a closed surface, and this one is open
+has a triangle with the point {} of a mesh that has {}""",
     TOO_LARGE: """{}: {} items are more than numbers of {} bits count
 {}: {} corners of faces are more than labels of 32 bits count
 more than the {} points that can be read
@@ -115,8 +89,11 @@ an octree of cells can have {} along a side; with a cell of {} it needs more
 the mesh would have more than 2^31 cells
 the mesh would have more than 2^20 cells along a side
 the mesh would have more than 2^32 nodes
-the mesh would have {} {}, and 32 bits number {}""",
-    NO_MEMORY: """out of memory
+the mesh would have {} {}, and 32 bits number {}
+holds more points than 32 bits count
+{}: the model takes 4 GiB of a ZIP archive or more""",
+    NO_MEMORY: """no process
+out of memory
 {}: cannot be unpacked
 {}: cannot be compressed
 zlib: not enough memory to decompress
@@ -131,31 +108,39 @@ a face of the volume mesh is neither on the surface nor on a side of the domain"
 {}: cannot be kept: {}
 {}: cannot be written into: {}""",
     BUILD: """{}: this build writes no .cgns: it was made without the CGNS library
-{}: this build writes no .vdb: it was made without OpenVDB""",
+{}: this build writes no .vdb: it was made without OpenVDB
+{}: this build reads and writes no .3mf: it was made without lib3mf""",
+    SHARED: """the default cell of {} does not fit into a share of 1/{} of the memory""",
     RARE: """the result has {} components and genus {}; the level set has {} and {}
-no solid: nothing of the input bounds a volume that cells of this size can hold
 nothing to work on: none of the {} facets has an area
 the mesh does not pass {} ({})
 a mesh with cells of {} has about {} cells and {}
 with coarser cells the result was no valid surface: --adapt was left out
-parts of the input with {} of area are not in the result; the largest is at ({}, {}, {}): {}
 the surface was not remeshed: {}
 {} of {} facets were not remeshed: they would have met others
 simplified to {} facets: {}
-for so few facets, creases below {} degrees were given up
-smoothing moved the surface away from {} of {} points, by {} or more, or left nothing of it there: they have no curvature; a smaller --smooth keeps it nearer
 no more cells fit into memory on the way to {}: {}; raise --memory
-the mesh has {} connected regions, and {} would be right: {}; a smaller --cell resolves more
-the mesh's volume is {} % off what is to be meshed: the cell is large for this model
-{} of {} cells have no volume, or a negative one: checkMesh tells which; their fractions are of no value
-none of the model's volume is in the mesh, though their boxes meet: all fractions are 0
 the level set has cells of {}, not of {}, to stay within the memory budget: raise --memory
-smoothing changed the volume by {} %: {}
 {} small pieces that stand for no component of the input were left out
 was not written: {}""",
     "a signal has to come while the program works: the group 'signals' sends them": """interrupted
 interrupted while reading {}""",
 }.items() for message in messages.splitlines()}
+
+# Messages that take more than a command: the scenario, or the test of the library, that asserts them.
+NAMED = {
+    "-o - would print a binary file on the terminal": "a_mesh_is_not_printed_on_a_terminal",
+    "interrupted after {} of {} files": "what_was_done_before_an_interrupt_stays",
+    "{} has no condition for the patch {}: OpenFOAM will not read it; --patch-value {}=V gives it one": "bad_cases_are_told_apart",
+    "{} of the input's components ({} of area) are not in the surface, being thinner than a cell or smaller than the smoothing length; the largest is at ({}, {}, {})":
+        "lost_components_are_told",
+    "smoothing moved the surface away from {} of {} points, by {} or more, or left nothing of it there: they have no curvature; a smaller --smooth keeps it nearer":
+        "lost_components_are_told",
+    "the data stand in another file": "Nrrd.SkipsAndDetachedData",
+    "the faces of a group do not follow each other: groups were left out": "Names.PlyGroupsAreRunsOfFaces",
+    "only {} % of the wall's area has all layers: where the model has sharp edges they often have no room; a smaller --cell or thinner layers may keep more":
+        "FlowMeshJob.LayersThatAreNearlyNowhereAreWarnedOf",
+}
 
 # --- the tests
 
@@ -167,24 +152,42 @@ def run_row(case, program):
         return result.code, result.messages()
 
 
+def unprovoked(catalogue, printed):
+    """Rows of the catalogue that nothing provokes; `printed`: (exit code, text on standard error) of all commands that were run."""
+    for code, message, number, _ in catalogue:
+        wanted = regex_of(message)
+        ran = any((code == "-" or code == str(c)) and wanted.search(text) for c, text in printed)
+        if not ran and message not in EXEMPT and message not in NAMED:
+            yield code, message, number
+
+
 def every_message_is_provoked(program):
     """All that the catalogue lists is printed by a row here or of cases.py, asserted by another test, or has a reason not to be."""
     catalogue = load_checker().catalogue(ROOT)
     printed = [row.run(program) for row in ROWS]
     printed += [run_row(case, program) for rows in cases.GROUPS.values() for case in rows if case.code != 0]
     left = list(unprovoked(catalogue, printed))
-    runner.expect(not left, "no test provokes these messages of docs/errors.md; add to ROWS of tests/cli/error_cases.py\n"
-                  "  line(MESSAGE, COMMAND, EXIT_CODE), or an entry of EXEMPT with the reason:\n" +
+    runner.expect(not left, "no test provokes these messages of docs/errors.md; add to the table of its topic (tests/cli/*_rows.py)\n"
+                  "  line(MESSAGE, COMMAND, EXIT_CODE), or an entry of NAMED or EXEMPT of tests/cli/error_cases.py:\n" +
                   "\n".join(f"  docs/errors.md:{number}: {code} {message}" for code, message, number in left))
+
+
+def named_tests_assert_their_messages(_program):
+    """Each test that NAMED has exists, and holds a piece of its message that is of no other."""
+    bodies = named_tests.bodies()
+    texts = {message for _, message, _, _ in load_checker().catalogue(ROOT)}
+    for message, test in NAMED.items():
+        runner.expect(test in bodies, f"there is no test {test}, which is to assert: {message}")
+        runner.expect(named_tests.asserts(bodies[test], message, texts - {message}), f"the test {test} asserts no piece that is only of: {message}")
 
 
 def exemptions_are_of_the_catalogue(_program):
     listed = {message for _, message, _, _ in load_checker().catalogue(ROOT)}
-    gone = sorted((set(EXEMPT) | {row.message for row in ROWS}) - listed)
-    runner.expect(not gone, "not in docs/errors.md any more; remove from tests/cli/error_cases.py:\n" + "\n".join(gone))
+    gone = sorted((set(EXEMPT) | set(NAMED) | {row.message for row in ROWS}) - listed)
+    runner.expect(not gone, "not in docs/errors.md any more; remove from tests/cli:\n" + "\n".join(gone))
 
 
 def tests():
     """(name, function of the program's path)."""
-    for function in (exemptions_are_of_the_catalogue, every_message_is_provoked):
+    for function in (exemptions_are_of_the_catalogue, named_tests_assert_their_messages, every_message_is_provoked):
         yield function.__name__, function

@@ -67,9 +67,11 @@ def threemf(message, data, code=3, command="check m.3mf", **more):
     return Provoked(message, command, code, {"m.3mf": data, **more})
 
 
-COLORS = ('<m:colorgroup id="5"><m:color color="#FF0000"/><m:color color="#00FF00"/></m:colorgroup>')
-MIXED = ('<basematerials id="6"><base name="a" displaycolor="#FF0000"/><base name="b" displaycolor="#00FF00"/></basematerials>'
-         '<m:compositematerials id="5" matid="6" matindices="0 1"><m:composite values="0.5 0.5"/></m:compositematerials>')
+COLORS = '<m:colorgroup id="5"><m:color color="#FF0000"/><m:color color="#00FF00"/></m:colorgroup>'
+TEXTURE = ('<m:texture2d id="6" path="/3D/Textures/t.png" contenttype="image/png"/><m:texture2dgroup id="5" texid="6">'
+           '<m:tex2coord u="0" v="0"/><m:tex2coord u="1" v="0"/><m:tex2coord u="0" v="1"/></m:texture2dgroup>')
+TEXTURE_FILES = [("3D/Textures/t.png", b"\x89PNG\r\n\x1a\n"), ("3D/_rels/3dmodel.model.rels", RELATIONS.replace("/3D/3dmodel.model", "/3D/Textures/t.png").replace(
+    "2013/01/3dmodel", "2013/01/3dtexture"))]
 
 ROWS = [
     threemf("expected a ZIP archive, as every 3MF is, found {}", b"3D model\n"),
@@ -89,10 +91,10 @@ ROWS = [
     threemf("places more than {} facets: components refer to each other too often", archive(tower(24, 2))),
     threemf("has components in components more than {} deep", archive(tower(70, 1))),
     threemf("places points at coordinates that are not finite", archive(tower(12, 1, ' transform="1e38 0 0 0 1e38 0 0 0 1e38 0 0 0"'))),
-    threemf("{} (lib3mf, 0x{})", archive(model(cube(of_object=' color="red"'))), 0),
+    threemf("{} (lib3mf, 0x{})", archive(model(cube() + "<unheard-of/>")), 0),
     threemf("objects of type '{}' left out: only 'model' is the part itself", archive(model(cube(kind="support") + cube(2) + assembly(3, [1, 2]), 3)), 0),
     threemf("colours that change within a facet: that of its first corner is taken", archive(model(COLORS + cube(of_facet=' pid="5" p1="0" p2="1" p3="0"'))), 0),
-    threemf("textures and mixed materials are left out", archive(model(MIXED + cube(of_facet=' pid="5" p1="0"'))), 0),
+    threemf("textures and mixed materials are left out", archive(model(TEXTURE + cube(of_facet=' pid="5" p1="0" p2="1" p3="2"')), more=TEXTURE_FILES), 0),
     threemf("its unit is {}, that of A is {}: coordinates are compared as they are", GOOD, 0, "compare m.3mf n.3mf", **{"n.3mf": archive(model(cube(), unit="inch"))}),
     threemf("the file says that its unit is {}, --units says {}: the latter was believed, and no coordinate is changed", GOOD, 0, "check m.3mf --units in"),
     Provoked("{}: the point ({}, {}, {}) is beyond the 1e9 that readers of 3MF take", "m.obj -o x.3mf --method local", 4,
