@@ -40,6 +40,7 @@ INVARIANT = "a broken invariant of Burnish itself"
 RACE = "the disk has to fail, or somebody else to change it, between two steps"
 BUILD = "depends on how this build was configured; the other kind of build is tested"
 SHARED = "makes a batch run the file again with all of the memory, and is never printed (scenario a_share_of_the_memory_changes_no_result)"
+OPEN = "no row yet: the inputs that were tried do not bring it about"
 RARE = "depends on the geometry of a result in ways that no small input is known to bring about"
 
 EXEMPT = {message: reason for reason, messages in {
@@ -111,6 +112,11 @@ a face of the volume mesh is neither on the surface nor on a side of the domain"
 {}: this build writes no .vdb: it was made without OpenVDB
 {}: this build reads and writes no .3mf: it was made without lib3mf""",
     SHARED: """the default cell of {} does not fit into a share of 1/{} of the memory""",
+    OPEN: """a level set with cells of {} takes about {} GB; the budget is {} GB
+redistancing by {} was not steady {} times: the surface may have moved with it; --redistance closest is exact and faster
+the solid is thinner than a cell everywhere
+creases were not cut into the result: it would have met itself there
+the result could not be verified as a valid solid: {}""",
     RARE: """the result has {} components and genus {}; the level set has {} and {}
 nothing to work on: none of the {} facets has an area
 the mesh does not pass {} ({})
