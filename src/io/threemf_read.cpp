@@ -7,10 +7,12 @@
 #include <array>
 #include <memory>
 #include <set>
+#include <string>
 #include <unordered_map>
 
 #include "readers.h"
 #include "threemf.h"
+#include "threemf_components.h"
 #include "zip_archive.h"
 
 namespace burnish {
@@ -18,6 +20,7 @@ namespace {
 
 constexpr std::uint64_t kLargestRatio = 200, kAlwaysAllowed = std::uint64_t{64} << 20, kNeverAllowed = std::uint64_t{8} << 30;
 constexpr std::size_t kMostInstanced = std::size_t{1} << 26;  // facets
+constexpr std::uint64_t kMostPlaced = 1'000'000;              // objects
 constexpr int kDeepest = 64;                                  // components in components
 constexpr std::size_t kMostMessages = 3;                      // of the library's warnings
 constexpr std::string_view kHint = "export the model again, or as STL";
@@ -368,7 +371,13 @@ MeshFile read_3mf(const Source& source) {
   const std::vector<ZipEntry> entries = zip_entries(source);
   if (std::none_of(entries.begin(), entries.end(), is_model))
     source.fail("is a ZIP archive, and no 3MF: there is no file '.model' in it", "unpack it, and give the model that is in it");
-  require_harmless(source, entries, std::min(std::max(kAlwaysAllowed, kLargestRatio * source.bytes.size()), kNeverAllowed));
+  std::unordered_map<std::string, ComponentCounter> models;  // of one file each
+  const auto see = [&](const ZipEntry& entry, std::string_view piece) {
+    if (is_model(entry)) models[entry.name].put(piece);
+  };
+  require_harmless(source, entries, std::min(std::max(kAlwaysAllowed, kLargestRatio * source.bytes.size()), kNeverAllowed), see);
+  for (const auto& [name, counter] : models)
+    if (counter.most_placements() > kMostPlaced) source.fail(fmt::format("places more than {} objects: components refer to each other too often", kMostPlaced), kHint);
   return Reader(source).read();
 }
 
