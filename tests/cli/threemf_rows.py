@@ -25,9 +25,9 @@ def assembly(number, parts, transform=""):
     return f'<object id="{number}" type="model"><components>{placed}</components></object>'
 
 
-def tower(floors, parts, transform=""):
+def tower(floors, parts, transform="", base=None):
     """A cube, and assemblies upon it, each of `parts` times the one below."""
-    return model(cube() + "".join(assembly(n, [n - 1] * parts, transform) for n in range(2, floors + 2)), floors + 1)
+    return model((base or cube()) + "".join(assembly(n, [n - 1] * parts, transform) for n in range(2, floors + 2)), floors + 1)
 
 
 def model(resources, item=1, unit="millimeter"):
@@ -88,7 +88,10 @@ ROWS = [
     threemf("is a ZIP archive whose file {} unpacks to {} bytes, where the directory says {}", patched(ENTRY + 24, "I", 9)),
     threemf("is a ZIP archive of {} bytes that unpacks to more than {} bytes: more than any model does", archive(model(cube()), more=[("a.txt", bytes(65 << 20))])),
     threemf("cannot be read as 3MF: {} (lib3mf, 0x{})", archive(model(cube()).replace("</triangles>", ""))),
-    threemf("places more than {} facets: components refer to each other too often", archive(tower(24, 2))),
+    threemf("places more than {} facets: components refer to each other too often", archive(tower(18, 2, base=cube(facets=list(models.CUBE_FACETS) * 30)))),
+    threemf("places more than {} objects: components refer to each other too often", archive(tower(24, 2))),
+    threemf("needs an extension of 3MF that is not known here: what it holds may be incomplete without",
+            archive(model(cube()).replace("<model ", '<model xmlns:q="http://unheard.of/2026" requiredextensions="q" '))),
     threemf("has components in components more than {} deep", archive(tower(70, 1))),
     threemf("places points at coordinates that are not finite", archive(tower(12, 1, ' transform="1e38 0 0 0 1e38 0 0 0 1e38 0 0 0"'))),
     threemf("{} (lib3mf, 0x{})", archive(model(cube() + "<unheard-of/>")), 0),

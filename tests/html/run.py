@@ -13,6 +13,7 @@ import resource
 import subprocess
 import sys
 import tempfile
+import time
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).parent))
@@ -226,41 +227,28 @@ def cpu_of_children():
     return usage.ru_utime + usage.ru_stime
 
 
-def processor_seconds(pid):
-    """Of a process and all below it that are alive."""
-    listed = subprocess.run(["ps", "-e", "-o", "pid=,ppid="], capture_output=True, text=True).stdout.split()
-    parents = dict(zip(listed[::2], listed[1::2]))
-    ticks = 0
-    for process in parents:
-        above = process
-        while above in parents and above != str(pid):
-            above = parents[above]
-        if above != str(pid):
-            continue
-        try:
-            fields = Path(f"/proc/{process}/stat").read_text().rpartition(")")[2].split()
-            ticks += int(fields[11]) + int(fields[12])
-        except OSError:
-            pass
-    return ticks / os.sysconf("SC_CLK_TCK")
+def idle_share():
+    """Of the processors' time during one second: 1 when nothing else runs."""
+    def ticks():
+        fields = [int(f) for f in Path("/proc/stat").read_text().split("\n", 1)[0].split()[1:]]
+        return fields[3] + fields[4], sum(fields[:8])
+    idle, total = ticks()
+    time.sleep(1)
+    idle_after, total_after = ticks()
+    return (idle_after - idle) / max(1, total_after - total)
 
 
-def first_frame(work, page):
-    """Seconds to the first frame, those of the clock or of the processors, whichever are fewer: best of three. A machine that has more
-    to do than processors, such as with other tests beside this one, is that much slower; its seconds count for less."""
-    best = float("inf")
-    for _ in range(3):
-        before = processor_seconds(os.getpid())
-        wall = work.open(page)
-        processor = processor_seconds(os.getpid()) - before
-        print(f"{page.name}: first frame after {wall:.2f} s, {processor:.2f} s of processors")
-        best = min(best, min(wall, processor) / max(1, os.getloadavg()[0] / os.cpu_count()))
-    return best
+def expect_first_frame(work, page, seconds):
+    """Within that time, at the best of three. It is a matter of the clock, so a machine that is busy with something else is not judged."""
+    idle = idle_share()
+    best = min(work.open(page) for _ in range(3))
+    print(f"{page.name}: first frame after {best:.2f} s, processors {100 * idle:.0f} % idle before")
+    expect(idle < 0.7 or best <= seconds, f"{page.name}: its first frame takes {best:.2f} s, and may take {seconds}")
 
 
 def test_speed(work):
     page, _ = work.vase()
-    expect(first_frame(work, page) < 2, "a small page takes 2 s and more")
+    expect_first_frame(work, page, 2)
     work.run("example", "nozzle", "--holes", "12", "-o", "n.stl")
     spent = []
     for more in ([], ["--html", "n.html"]):
@@ -271,7 +259,7 @@ def test_speed(work):
     print(f"n.html: {large.stat().st_size / 1e6:.1f} MB; CPU seconds without and with it: {spent[0]:.2f}, {spent[1]:.2f}")
     expect(large.stat().st_size <= 15e6, "the nozzle's page has more than 15 MB")
     expect(spent[1] < 1.25 * spent[0], f"--html takes more than a quarter: {spent}")
-    expect(first_frame(work, large) <= 3, "the nozzle's first frame takes more than 3 s")
+    expect_first_frame(work, large, 3)
     expect("drawn simplified" in work.text(), "the page does not say that it simplifies")
     for side in (0, 1):
         expect(work.pixels(side)["colors"] > 50, f"the nozzle's side {side} is not drawn")
