@@ -1,4 +1,5 @@
 # Writes HEADER with the commit of the sources in SOURCE, if it changed. COMMIT: AUTO, NONE, or the text itself.
+cmake_minimum_required(VERSION 3.25)
 set(commit "${COMMIT}")
 if(COMMIT STREQUAL "NONE")
   set(commit "")
@@ -16,12 +17,12 @@ elseif(COMMIT STREQUAL "AUTO")
     endif()
   endif()
 endif()
-file(CONFIGURE OUTPUT "${HEADER}" CONTENT "// Written by cmake/write_commit.cmake.
+file(CONFIGURE OUTPUT "${HEADER}" CONTENT [==[// Written by cmake/write_commit.cmake.
 #pragma once
 
 #include <string_view>
 
 namespace burnish {
-inline constexpr std::string_view kCommit = \"@commit@\";
+inline constexpr std::string_view kCommit = "@commit@";
 }  // namespace burnish
-" @ONLY)
+]==] @ONLY)

@@ -76,7 +76,7 @@ class ConfigReader {
 
   void begin_section(std::string_view row) {
     row = trimmed(without_comment(row));
-    if (!row.ends_with(']')) refuse(fmt::format("expected '[command]', found '{}'", row));
+    if (!row.ends_with(']')) refuse(fmt::format("expected '[command]', found '{}'", row), "a section begins with a command in brackets, such as [clean]");
     section_ = std::string(trimmed(row.substr(1, row.size() - 2)));
     if (!lines_.contains(section_)) refuse_section();
     if (!sections_.insert(section_).second) refuse(fmt::format("[{}] is there twice", section_), "put both parts together");
@@ -124,7 +124,7 @@ class ConfigReader {
     std::string value;
     for (std::size_t i = 0; i < text.size(); ++i) {
       if (text[i] == '"') {
-        if (!trimmed(without_comment(text.substr(i + 1))).empty()) refuse(fmt::format("expected a comment behind the quoted value, found '{}'", trimmed(text.substr(i + 1))));
+        if (!trimmed(without_comment(text.substr(i + 1))).empty()) refuse(fmt::format("expected a comment behind the quoted value, found '{}'", trimmed(text.substr(i + 1))), "put a # before it, or a backslash before a quote that belongs to the value");
         return value;
       }
       value += text[i] == '\\' ? escaped(text.substr(++i, 1)) : text[i];
@@ -177,10 +177,10 @@ std::string text_of_file(const std::string& path) {
   if (!file || std::filesystem::is_directory(path, error)) {
     const auto near = nearest_file(path);
     const std::string reason = file ? "it is a folder" : std::generic_category().message(errno);
-    throw Error(ErrorCode::usage, fmt::format("{}: the configuration cannot be read: {}", path, reason), near && *near != path ? fmt::format("did you mean '{}'?", *near) : std::string());
+    throw Error(ErrorCode::usage, fmt::format("{}: the configuration cannot be read: {}", path, reason), near && *near != path ? fmt::format("did you mean '{}'?", *near) : "look at its name and its rights");
   }
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
-  if (file.bad()) throw Error(ErrorCode::usage, fmt::format("{}: the configuration cannot be read", path));
+  if (file.bad()) throw Error(ErrorCode::usage, fmt::format("{}: the configuration cannot be read", path), "copy it to another disk, or give the options on the command line");
   text.resize(static_cast<std::size_t>(file.gcount()));
   if (text.size() > kLargestFile) throw Error(ErrorCode::usage, fmt::format("{}: expected a configuration, found more than a megabyte", path), "name the file with the options");
   return text;

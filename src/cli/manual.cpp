@@ -8,7 +8,7 @@ std::vector<DescribedCommand> described_commands() {
   std::vector<DescribedCommand> all;
   for (const CommandEntry& entry : commands()) {
     DescribedCommand one{entry.name, entry.summary, entry.make(), {}};
-    one.line = one.command->command_line();
+    one.line = full_command_line(*one.command);
     all.push_back(std::move(one));
   }
   return all;

@@ -35,7 +35,7 @@ constexpr double kSecondsToStop = 5;
 constexpr int kPollMilliseconds = 100;  // a signal may come just before the wait for it begins
 
 [[noreturn]] void refuse(std::string_view what) {
-  throw Error(ErrorCode::bug, fmt::format("{}: {}", what, std::generic_category().message(errno)), "try again with fewer --jobs");
+  throw Error(ErrorCode::memory_limit, fmt::format("{}: {}", what, std::generic_category().message(errno)), "try again with fewer --jobs");
 }
 
 // A file descriptor that closes itself.
@@ -212,7 +212,7 @@ class Crew {
     for (const double end = monotonic_seconds() + kSecondsToStop; !running_.empty(); wait())
       if (monotonic_seconds() > end)
         for (const auto& [run, worker] : running_) ::kill(worker.pid, SIGTERM);
-    throw Error(ErrorCode::interrupted, fmt::format("interrupted after {} of {} files", next_, plan_.count));
+    throw Error(ErrorCode::interrupted, fmt::format("interrupted after {} of {} files", next_, plan_.count), "what is complete stays: start again with the others");
   }
 
   const WorkerPlan& plan_;

@@ -30,6 +30,7 @@ function fillHeader(report) {
   document.title = name + ' - Burnish';
   element('title').textContent = name;
   element('subtitle').textContent = report.input.file + ' \u2192 ' + report.output.file;
+  element('legend-title').textContent = 'signed distance from the input' + (unitText(report) || ', model units');
   element('verdict').textContent = verdictText(report);
   element('verdict').classList.toggle('good', report.output.written && report.output.verified);
   if (report.failure) {
@@ -47,7 +48,7 @@ function fillCounts(report) {
     return make('td', defects ? figure(value) : '', isDefect && value > 0 ? 'bad' : undefined);
   };
   const valid = defects => make('td', defects ? figure(defects.valid_solid) : '', defects ? (defects.valid_solid ? 'good' : 'bad') : undefined);
-  const rows = COUNT_ROWS.map(([label, key, isDefect]) => [label, cell(report.before, key, isDefect), cell(report.after, key, isDefect)]);
+  const rows = COUNT_ROWS.map(([label, key, isDefect, power]) => [label + (power ? unitText(report, power) : ''), cell(report.before, key, isDefect), cell(report.after, key, isDefect)]);
   rows.push(['valid solid', valid(report.before), valid(report.after)]);
   fillTable(element('counts'), ['', 'before', 'after'], rows);
 }
@@ -62,7 +63,7 @@ function fillFigures(report) {
   };
   const row = (label, d) => [label, ...['max', 'mean', 'rms'].map(key => d ? cell(d[key]) : '-')];
   const {input_to_output: there, output_to_input: back} = report.deviation;
-  fillTable(element('distances'), ['', 'max', 'mean', 'rms'], [row('input \u2192 output', there), row('output \u2192 input', back)]);
+  fillTable(element('distances'), ['distance' + unitText(report), 'max', 'mean', 'rms'], [row('input \u2192 output', there), row('output \u2192 input', back)]);
   element('method').className = 'prose';
   fillList(element('method'), [
     ['method', figure(report.method)], ['because', figure(report.method_reason)], ['smoothing', figure(report.smoothing.mode)],

@@ -19,7 +19,7 @@ const COUNT_ROWS = [
   ['facets', 'facets'], ['points', 'points'], ['components', 'components'], ['open edges', 'open_edges', true], ['open loops', 'open_loops', true],
   ['non-manifold edges', 'non_manifold_edges', true], ['non-manifold points', 'non_manifold_points', true], ['misoriented edges', 'misoriented_edges', true],
   ['misnested shells', 'misnested_shells', true], ['degenerate facets', 'degenerate_facets', true], ['duplicate facets', 'duplicate_facets', true],
-  ['self-intersections', 'self_intersecting_pairs', true], ['volume', 'volume'], ['area', 'area'], ['mean edge', 'mean_edge'],
+  ['self-intersections', 'self_intersecting_pairs', true], ['volume', 'volume', false, 3], ['area', 'area', false, 2], ['mean edge', 'mean_edge', false, 1],
 ];
 
 // Six digits as the terminal prints them, whole numbers as they are, '-' for what there is not.
@@ -33,6 +33,9 @@ function figure(value, digits = 6) {
   if (size >= 10 ** digits || size < 1e-4) return value.toExponential(digits - 1).replace(/\.?0+e/, 'e');
   return String(Number(value.toPrecision(digits)));
 }
+
+// ', mm^3' behind what is measured, as the terminal has it; nothing where the report knows no unit.
+const unitText = (report, power = 1) => report.units ? ', ' + report.units + (power > 1 ? '^' + power : '') : '';
 
 const spoken = key => key.replaceAll('_', ' ');
 const placeText = (p, size) => '(' + p.map(v => figure(Math.abs(v) < 1e-9 * size ? 0 : v, 5)).join(', ') + ')';

@@ -1,4 +1,5 @@
 // Reading 3MF with lib3mf: the build's items, with components and transforms. The library's header is for this source alone.
+#include <Common/NMR_ErrorConst.h>
 #include <Model/COM/NMR_DLLInterfaces.h>
 #include <fmt/format.h>
 
@@ -6,10 +7,12 @@
 #include <array>
 #include <memory>
 #include <set>
+#include <string>
 #include <unordered_map>
 
 #include "readers.h"
 #include "threemf.h"
+#include "threemf_components.h"
 #include "zip_archive.h"
 
 namespace burnish {
@@ -17,6 +20,7 @@ namespace {
 
 constexpr std::uint64_t kLargestRatio = 200, kAlwaysAllowed = std::uint64_t{64} << 20, kNeverAllowed = std::uint64_t{8} << 30;
 constexpr std::size_t kMostInstanced = std::size_t{1} << 26;  // facets
+constexpr std::uint64_t kMostPlaced = 1'000'000;              // objects
 constexpr int kDeepest = 64;                                  // components in components
 constexpr std::size_t kMostMessages = 3;                      // of the library's warnings
 constexpr std::string_view kHint = "export the model again, or as STL";
@@ -142,6 +146,8 @@ class Reader {
       ULONG needed = 0;
       std::array<char, 1024> text{};
       if (NMR::lib3mf_reader_getwarningutf8(reader, i, &code, text.data(), text.size(), &needed) != LIB3MF_OK) continue;
+      if (code == NMR_ERROR_REQUIREDEXTENSIONNOTSUPPORTED && !source_.salvage)
+        source_.fail("needs an extension of 3MF that is not known here: what it holds may be incomplete without", "export it without extensions, or pass --salvage to use what is there");
       if (told.insert(text.data()).second) file_.warnings.push_back(fmt::format("{} (lib3mf, 0x{:04x})", text.data(), code));
     }
   }
@@ -179,7 +185,9 @@ class Reader {
     BOOL is_mesh = 0;
     check(NMR::lib3mf_object_ismeshobject(resource, &is_mesh), resource);
     object.is_mesh = is_mesh != 0;
-    if (is_mesh)
+    if (object.type != NMR::MODELOBJECTTYPE_MODEL)
+      add_left_out(object.type);  // with all that it is composed of
+    else if (is_mesh)
       load_mesh(resource, object);
     else
       load_components(resource, object, depth);
@@ -216,7 +224,6 @@ class Reader {
   }
 
   void load_mesh(NMR::PLib3MFModelObjectResource* mesh, Object& object) {
-    if (object.type != NMR::MODELOBJECTTYPE_MODEL) return add_left_out(object.type);
     DWORD points = 0, facets = 0;
     check(NMR::lib3mf_meshobject_getvertexcount(mesh, &points), mesh);
     check(NMR::lib3mf_meshobject_gettrianglecount(mesh, &facets), mesh);
@@ -231,9 +238,23 @@ class Reader {
       for (const std::uint32_t c : object.mesh.facets.back())
         if (c >= points) source_.fail(fmt::format("has a triangle with the point {} of a mesh that has {}", c, points), kHint);
     }
+    drop_unused_points(object.mesh);  // or a few lines could ask for endless memory
     object.facets = facets;
     distinct_ += facets;
     load_colors(mesh, object.mesh);
+  }
+
+  static void drop_unused_points(Mesh& mesh) {
+    if (mesh.points.size() <= 3 * mesh.facets.size()) return;
+    std::unordered_map<std::uint32_t, std::uint32_t> place;
+    std::vector<Vec3> used;
+    for (Facet& f : mesh.facets)
+      for (std::uint32_t& corner : f) {
+        const auto [at, is_new] = place.emplace(corner, static_cast<std::uint32_t>(used.size()));
+        if (is_new) used.push_back(mesh.points[corner]);
+        corner = at->second;
+      }
+    mesh.points = std::move(used);
   }
 
   void add_left_out(DWORD type) {
@@ -290,6 +311,9 @@ class Reader {
     NMR::PLib3MFModelBaseMaterial* raw = nullptr;
     if (NMR::lib3mf_model_getbasematerialbyid(model_.get(), group, &raw) != LIB3MF_OK || !raw) return kNoColor;
     const Handle<NMR::PLib3MFModelBaseMaterial> material(raw);
+    std::array<char, 64> name{};
+    ULONG needed = 0;
+    if (NMR::lib3mf_basematerial_getnameutf8(raw, index, name.data(), name.size(), &needed) == LIB3MF_OK && name.data() == kUncoloured) return kNoColor;
     BYTE r = 0, g = 0, b = 0, a = 0;
     if (NMR::lib3mf_basematerial_getdisplaycolor(raw, index, &r, &g, &b, &a) == LIB3MF_OK) at->second = color_of(r, g, b, a);
     return at->second;
@@ -347,7 +371,13 @@ MeshFile read_3mf(const Source& source) {
   const std::vector<ZipEntry> entries = zip_entries(source);
   if (std::none_of(entries.begin(), entries.end(), is_model))
     source.fail("is a ZIP archive, and no 3MF: there is no file '.model' in it", "unpack it, and give the model that is in it");
-  require_harmless(source, entries, std::min(std::max(kAlwaysAllowed, kLargestRatio * source.bytes.size()), kNeverAllowed));
+  std::unordered_map<std::string, ComponentCounter> models;  // of one file each
+  const auto see = [&](const ZipEntry& entry, std::string_view piece) {
+    if (is_model(entry)) models[entry.name].put(piece);
+  };
+  require_harmless(source, entries, std::min(std::max(kAlwaysAllowed, kLargestRatio * source.bytes.size()), kNeverAllowed), see);
+  for (const auto& [name, counter] : models)
+    if (counter.most_placements() > kMostPlaced) source.fail(fmt::format("places more than {} objects: components refer to each other too often", kMostPlaced), kHint);
   return Reader(source).read();
 }
 

@@ -148,9 +148,9 @@ class ModelPart {
     member_.put("<metadata name=\"Application\">burnish</metadata>\n<resources>\n");
   }
 
-  // The colours of all objects; the first is that of facets without one.
+  // The colours of all objects. The first is the default that a specification of properties asks for: of facets without a colour, and told by its name.
   void put_materials(const std::vector<Color>& colors) {
-    if (colors.empty()) return;
+    if (std::all_of(colors.begin(), colors.end(), [](Color c) { return c == kNoColor; })) return;
     std::vector<Color> all(colors);
     std::sort(all.begin(), all.end());
     all.erase(std::unique(all.begin(), all.end()), all.end());
@@ -160,7 +160,8 @@ class ModelPart {
     for (const Color c : all) {
       material_.emplace(c, material_.size());
       const std::string hex = fmt::format("#{:02X}{:02X}{:02X}{:02X}", channel(c, 0), channel(c, 1), channel(c, 2), channel(c, 3));
-      member_.put(fmt::format("<base name=\"{}\" displaycolor=\"{}\"/>\n", c == kNoColor ? "none" : hex, hex));
+      const bool none = c == kNoColor;
+      member_.put(fmt::format("<base name=\"{}\" displaycolor=\"{}\"/>\n", none ? kUncoloured : std::string_view(hex), none ? "#B4B4B4FF" : std::string_view(hex)));
     }
     member_.put("</basematerials>\n");
   }

@@ -94,7 +94,7 @@ std::string_view packed_bytes(const Source& source, const ZipEntry& entry) {
 }
 
 // Bytes that come out; more than `most` is as good as infinite. Nothing if it is no deflate stream to its end.
-std::optional<std::uint64_t> inflated_size(std::string_view packed, std::uint64_t most) {
+std::optional<std::uint64_t> inflated_size(std::string_view packed, std::uint64_t most, const std::function<void(std::string_view)>& see) {
   z_stream stream{};
   if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
   const std::unique_ptr<z_stream, int (*)(z_stream*)> guard(&stream, inflateEnd);
@@ -111,6 +111,7 @@ std::optional<std::uint64_t> inflated_size(std::string_view packed, std::uint64_
     stream.avail_out = static_cast<uInt>(kPiece);
     status = inflate(&stream, Z_NO_FLUSH);
     if (status != Z_OK && status != Z_STREAM_END) return std::nullopt;
+    see({reinterpret_cast<const char*>(out.data()), kPiece - stream.avail_out});
     size += kPiece - stream.avail_out;
     if (size > most) return size;
   }
@@ -135,17 +136,19 @@ std::vector<ZipEntry> zip_entries(const Source& source) {
   return entries;
 }
 
-void require_harmless(const Source& source, const std::vector<ZipEntry>& entries, std::uint64_t limit) {
+void require_harmless(const Source& source, const std::vector<ZipEntry>& entries, std::uint64_t limit, const SeePiece& see) {
   std::uint64_t left = limit;
   for (const ZipEntry& entry : entries) {
     const std::string_view packed = packed_bytes(source, entry);
-    const std::string file = fmt::format("is a ZIP archive whose file {}", quoted(entry.name));
-    if (entry.flags & kEncrypted) source.fail(file + " is encrypted", "export the model without a password");
-    if (entry.method != kStored && entry.method != kDeflated) source.fail(fmt::format("{} is packed by method {}", file, entry.method), "pack it by deflate");
-    const auto size = entry.method == kStored ? std::optional<std::uint64_t>(entry.packed) : inflated_size(packed, left);
-    if (!size) source.fail(file + " cannot be unpacked", kHint);
+    const std::string name = quoted(entry.name);
+    if (entry.flags & kEncrypted) source.fail(fmt::format("is a ZIP archive whose file {} is encrypted", name), "export the model without a password");
+    if (entry.method != kStored && entry.method != kDeflated) source.fail(fmt::format("is a ZIP archive whose file {} is packed by method {}", name, entry.method), "pack it by deflate (method 8)");
+    const auto see_piece = [&](std::string_view piece) { see(entry, piece); };
+    if (entry.method == kStored) see_piece(packed);
+    const auto size = entry.method == kStored ? std::optional<std::uint64_t>(entry.packed) : inflated_size(packed, left, see_piece);
+    if (!size) source.fail(fmt::format("is a ZIP archive whose file {} cannot be unpacked", name), kHint);
     if (*size > left) source.fail(fmt::format("is a ZIP archive of {} bytes that unpacks to more than {} bytes: more than any model does", source.bytes.size(), limit), "if it is a model, export it as STL or PLY");
-    if (*size != entry.size) source.fail(fmt::format("{} unpacks to {} bytes, where the directory says {}", file, *size, entry.size), kHint);
+    if (*size != entry.size) source.fail(fmt::format("is a ZIP archive whose file {} unpacks to {} bytes, where the directory says {}", name, *size, entry.size), kHint);
     left -= *size;
   }
 }

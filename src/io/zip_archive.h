@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -25,8 +26,9 @@ struct ZipEntry {
 std::vector<ZipEntry> zip_entries(const Source& source);
 
 // Inflates every file, keeping nothing, and throws through `source` if one is not what the directory says (its size, its CRC is left to others),
-// is encrypted, packed by another method than deflate, or all together have more than `limit` bytes. Bounded memory.
-void require_harmless(const Source& source, const std::vector<ZipEntry>& entries, std::uint64_t limit);
+// is encrypted, packed by another method than deflate, or all together have more than `limit` bytes. Bounded memory. `see` gets the files' bytes in pieces.
+using SeePiece = std::function<void(const ZipEntry&, std::string_view)>;
+void require_harmless(const Source& source, const std::vector<ZipEntry>& entries, std::uint64_t limit, const SeePiece& see);
 
 // A file of an archive that is being made: text is packed as it comes. No time stamps: the same text gives the same bytes.
 class ZipMember {

@@ -17,7 +17,7 @@ using Matrix6 = Eigen::Matrix<double, 6, 6>;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 
 constexpr std::size_t kFew = 300, kMany = 10'000;  // samples of a trial, and of the result
-constexpr int kTrialRounds = 25, kMostRounds = 200;
+constexpr int kTrialRounds = 25, kMostRounds = 200, kSettleRounds = 100;
 constexpr std::size_t kFinalists = 4;
 constexpr double kNoticeable = 1e-6;  // of the score: what noise leaves to gain
 constexpr int kPatience = 10;         // rounds without that much
@@ -26,6 +26,10 @@ constexpr double kOutlier = 3 * 1.4826;                      // of the median: t
 constexpr double kFloor = 1e-12;                             // of the size: no distance below is an outlier
 constexpr double kScoreCap = 0.02;                           // of the size: farther is as bad as that
 constexpr double kFits = 1e-3, kFitsWell = 5e-3;             // of the size: rms below which no other start is tried
+constexpr double kNoFit = 1e-2;                              // of the size: rms from which nothing has converged
+constexpr int kHalvings = 12;                                // of a step that does not make the sum of squares less
+constexpr double kWithinNoise = 1e-2;                        // of a variance
+constexpr double kAll = std::numeric_limits<double>::infinity();
 constexpr double kFree = 1e-7;                               // eigenvalue against the largest of a motion that nothing determines
 
 Eigen::Vector3d eigen(const Vec3& v) { return {v.x, v.y, v.z}; }
@@ -92,11 +96,16 @@ struct Match {
 
 struct Fit {
   RigidMotion motion;
-  double score = std::numeric_limits<double>::infinity();  // mean square distance, each no more than the cap's
-  double step = std::numeric_limits<double>::infinity();
+  double score = kAll;  // mean square distance, each no more than the cap's
   std::size_t rounds = 0;
   int free_motions = 0;
-  bool stalled = false;
+};
+
+struct Step {
+  Vec3 centre;
+  Vector6 x = Vector6::Zero();  // turn about the centre, and shift in units of the size
+  double gain = 0;  // by which it makes the sum of squares less, in units of the size squared
+  int free_motions = 0;
 };
 
 class Registrar {
@@ -107,18 +116,21 @@ class Registrar {
   Registration run() {
     Registration result;
     const auto before = matches(many_, {});
-    result.rms_before = rms(before, std::numeric_limits<double>::infinity());
-    const Fit fit = best(result.starts);
-    const auto after = matches(many_, fit.motion);
-    const double limit = outlier_limit(after);
-    const auto inside = std::count_if(after.begin(), after.end(), [&](const Match& m) { return m.distance <= limit; });
+    result.rms_before = rms(before, kAll);
+    Fit fit = best(result.starts);
+    const auto placed = matches(many_, fit.motion);
+    const double limit = outlier_limit(placed);
+    std::vector<Vec3> counted;
+    for (std::size_t i = 0; i < many_.size(); ++i)
+      if (placed[i].distance <= limit) counted.push_back(many_[i]);
+    const bool is_minimum = settle(counted, fit);
     result.motion = fit.motion;
-    result.rms_after = rms(after, std::numeric_limits<double>::infinity());
-    result.rms_kept = rms(after, limit);
-    result.kept = static_cast<double>(inside) / static_cast<double>(after.size());
-    result.samples = after.size();
+    result.rms_after = rms(matches(many_, fit.motion), kAll);
+    result.rms_kept = rms(matches(counted, fit.motion), kAll);
+    result.kept = static_cast<double>(counted.size()) / static_cast<double>(many_.size());
+    result.samples = many_.size();
     result.iterations = fit.rounds;
-    result.converged = fit.step < kConvergedStep;
+    result.converged = is_minimum && result.rms_kept < kNoFit * size_;
     result.free_motions = fit.free_motions;
     return result;
   }
@@ -200,7 +212,7 @@ class Registrar {
 
   Fit improved(const RigidMotion& start, const std::vector<Vec3>& samples, int rounds) const {
     Fit now{start}, least;
-    double mark = std::numeric_limits<double>::infinity();  // the score when it last became noticeably less
+    double mark = kAll;  // the score when it last became noticeably less
     int marked = 0;
     for (int i = 0; i < rounds; ++i) {
       const std::vector<Match> found = matches(samples, now.motion);
@@ -208,54 +220,78 @@ class Registrar {
       now.rounds = static_cast<std::size_t>(i);
       if (now.score <= least.score) least = now;
       if (now.score < mark * (1 - kNoticeable)) mark = now.score, marked = i;
-      step(found, now);
-      least.free_motions = now.free_motions;
-      least.stalled = i - marked >= kPatience;
-      if (now.step < kSmallStep || least.stalled) break;
+      const Step by = step(found, outlier_limit(found));
+      now.motion = motion(by) * now.motion;
+      least.free_motions = by.free_motions;
+      if (by.x.norm() < kSmallStep || i - marked >= kPatience) break;
     }
     now.score = score(matches(samples, now.motion));
-    const double step = now.step;
-    now.stalled = least.stalled;
-    if (now.score <= least.score * (1 + 1e-9)) least = now;
-    least.step = least.stalled ? 0 : step;
-    return least;
+    now.free_motions = least.free_motions;
+    return now.score <= least.score * (1 + 1e-9) ? now : least;
+  }
+
+  // With the samples that count fixed, the sum of their squared distances has a minimum, and every step makes it less. Whether it was reached: the
+  // next step is less than 1e-9 of the size, or a tenth of the standard deviation that noise of these distances gives the motion.
+  bool settle(const std::vector<Vec3>& samples, Fit& fit) const {
+    std::vector<Match> found = matches(samples, fit.motion);
+    double least = rms(found, kAll);
+    for (int i = 0; i < kSettleRounds; ++i) {
+      progress_.check();
+      towards_closest(found);
+      Step by = step(found, kAll);
+      ++fit.rounds;
+      if (by.x.norm() < kConvergedStep || by.gain * size_ * size_ < kWithinNoise * least * least) return true;
+      int halved = 0;
+      for (; halved < kHalvings; ++halved, by.x /= 2) {
+        const RigidMotion tried = motion(by) * fit.motion;
+        found = matches(samples, tried);
+        const double now = rms(found, kAll);
+        if (now >= least) continue;
+        fit.motion = tried, least = now;
+        break;
+      }
+      if (halved == kHalvings) return false;
+    }
+    return false;
+  }
+
+  // Where the closest point is on an edge, the distance grows along the way from it, and not along the normal of one of the facets.
+  void towards_closest(std::vector<Match>& found) const {
+    for (Match& m : found)
+      if (m.distance > kConvergedStep * size_) m.normal = (m.to - m.from) / m.distance;
   }
 
   // One step of Gauss and Newton on the distances to the tangent planes. [T-ALIGN-1]
-  void step(const std::vector<Match>& found, Fit& fit) const {
-    const double limit = outlier_limit(found);
-    Vec3 centre;
+  Step step(const std::vector<Match>& found, double limit) const {
+    Step by;
     double n = 0;
     for (const Match& m : found)
-      if (m.distance <= limit) centre += m.from, ++n;
-    centre = centre / std::max(n, 1.0);
+      if (m.distance <= limit) by.centre += m.from, ++n;
+    by.centre = by.centre / std::max(n, 1.0);
     Matrix6 normal = Matrix6::Zero();
     Vector6 right = Vector6::Zero();
     for (const Match& m : found) {
       if (m.distance > limit) continue;
       Vector6 row;
-      row << eigen(cross((m.from - centre) / size_, m.normal)), eigen(m.normal);
+      row << eigen(cross((m.from - by.centre) / size_, m.normal)), eigen(m.normal);
       normal += row * row.transpose();
       right += row * (dot(m.normal, m.to - m.from) / size_);
     }
     const Eigen::SelfAdjointEigenSolver<Matrix6> solver(normal);
     const Vector6 values = solver.eigenvalues();
-    Vector6 x = Vector6::Zero();
-    fit.free_motions = 0;
     for (int i = 0; i < 6; ++i) {
-      if (!(values[i] > kFree * values[5])) ++fit.free_motions;
-      else x += solver.eigenvectors().col(i) * (solver.eigenvectors().col(i).dot(right) / values[i]);
+      if (!(values[i] > kFree * values[5])) ++by.free_motions;
+      else by.x += solver.eigenvectors().col(i) * (solver.eigenvectors().col(i).dot(right) / values[i]);
     }
-    move(x, centre, fit);
+    by.gain = by.x.dot(right);
+    return by;
   }
 
-  void move(const Vector6& x, const Vec3& centre, Fit& fit) const {
-    const Eigen::Vector3d turn = x.head<3>();
+  RigidMotion motion(const Step& by) const {
+    const Eigen::Vector3d turn = by.x.head<3>();
     const double angle = turn.norm();
     const Eigen::Matrix3d r = angle > 0 ? Eigen::AngleAxisd(std::min(angle, 0.5), turn / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-    RigidMotion by = motion_of(r, centre, centre + vec(x.tail<3>()) * size_);
-    fit.motion = by * fit.motion;
-    fit.step = x.norm();
+    return motion_of(r, by.centre, by.centre + vec(by.x.tail<3>()) * size_);
   }
 
   const TriangleSoup& b_;

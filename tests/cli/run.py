@@ -21,6 +21,7 @@ import curvature_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import error_cases
 import field_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import ic_scenarios  # noqa: F401  (adds to the groups of scenarios)
+import inspection_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import mesh_scenarios  # noqa: F401  (adds to the groups of scenarios)
 import runner
 import scenarios
