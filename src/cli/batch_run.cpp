@@ -61,7 +61,7 @@ class Batch {
   explicit Batch(const BatchPlan& plan) : plan_(plan), summary_(plan.summary, plan.overwrite), start_(monotonic_seconds()) {
     result_.command = plan.command;
     result_.unit = plan.unit;
-    result_.jobs = plan.jobs.of(plan.inputs.size());
+    result_.jobs = plan.jobs.of(plan.inputs.size(), plan.threads);
   }
 
   int run() {
@@ -106,8 +106,9 @@ class Batch {
 
 }  // namespace
 
-int Jobs::of(std::size_t runs) const {
-  const int wanted = count > 0 ? count : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+int Jobs::of(std::size_t runs, int threads) const {
+  int wanted = count > 0 ? count : static_cast<int>(std::thread::hardware_concurrency());
+  if (threads > 0) wanted = std::min(wanted, threads);
   return std::max(1, std::min(wanted, static_cast<int>(std::min<std::size_t>(runs, 4096))));
 }
 
