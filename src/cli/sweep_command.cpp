@@ -119,11 +119,11 @@ class SweepCommand : public Command {
 
   void require_distinct_report() const {
     if (report_path_.empty()) return;
-    const auto refuse_name_of = [&](std::string_view other) {
+    const auto clash_with = [&](std::string_view other) {
       throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", report_path_, "--report", other), "give one of them another name");
     };
-    if (std::any_of(steps_.begin(), steps_.end(), [&](const SweepStep& s) { return same_file(s.output, report_path_); })) refuse_name_of("-o");
-    if (same_file(report_path_, job_.input)) refuse_name_of("the input");
+    if (std::any_of(steps_.begin(), steps_.end(), [&](const SweepStep& s) { return same_file(s.output, report_path_); })) clash_with("-o");
+    if (same_file(report_path_, job_.input)) clash_with("the input");
   }
 
   static std::string json_of(const std::vector<RepairReport>& reports) {
