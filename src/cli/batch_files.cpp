@@ -6,6 +6,7 @@
 #include <system_error>
 
 #include "burnish/core/error.h"
+#include "commands.h"
 
 namespace burnish {
 namespace {
@@ -14,9 +15,14 @@ namespace fs = std::filesystem;
 
 constexpr std::string_view kHole = "{}";
 
-std::string normal(const std::string& path) { return fs::absolute(path).lexically_normal().string(); }
-
 [[noreturn]] void refuse(const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); }
+
+// Every {} is replaced; what a name brings with it is none.
+std::string filled(std::string_view pattern, const std::string& stem) {
+  std::string text;
+  for (std::size_t hole; (hole = pattern.find(kHole)) != pattern.npos; pattern.remove_prefix(hole + kHole.size())) text.append(pattern.substr(0, hole)).append(stem);
+  return text.append(pattern);
+}
 
 void require_place(const PlacedOption& option) {
   const std::string& given = *option.path;
@@ -29,16 +35,16 @@ void require_place(const PlacedOption& option) {
 // Which files there are, and what stands behind each: "the input a.stl", "-o for a.stl".
 class Claims {
  public:
-  void claim_input(const std::string& input) { claims_.emplace(normal(input), Claim{input, {}}); }
+  void claim_input(const std::string& input) { claims_.emplace(resolved_path(input), Claim{input, {}}); }
 
-  void claim(const std::string& file, const PlacedOption& option, const std::string& input) {
-    const auto [at, is_new] = claims_.emplace(normal(file), Claim{input, option.option});
+  void claim(const std::string& file, std::string_view option, const std::string& input) {
+    const auto [at, is_new] = claims_.emplace(resolved_path(file), Claim{input, option});
     if (is_new) return;
     const Claim& other = at->second;
-    if (other.option.empty()) refuse(fmt::format("{}: {} names an input", file, option.option), "write to another folder, or give a pattern such as 'out/{}-clean.stl'");
-    refuse(other.option == option.option ? fmt::format("{}: {} would write {} and {} to the same file", file, option.option, other.input, input)
-                                         : fmt::format("{}: {} and {} name the same file", file, other.option, option.option),
-           other.option == option.option ? "do it in two runs with two folders, or rename one of the inputs" : "give one of them another folder");
+    if (other.option.empty()) refuse(fmt::format("{}: {} names an input", file, option), "write to another folder, or give a pattern such as 'out/{}-clean.stl'");
+    refuse(other.option == option ? fmt::format("{}: {} would write {} and {} to the same file", file, option, other.input, input)
+                                  : fmt::format("{}: {} and {} name the same file", file, other.option, option),
+           other.option == option ? "do it in two runs with two folders, or rename one of the inputs" : "give one of them another folder");
   }
 
  private:
@@ -60,11 +66,17 @@ std::string file_for(const std::string& given, const std::string& input, std::st
   if (given.empty() || !is_place(given)) return given;
   if (input == "-") refuse(fmt::format("{}: standard input has no name that a file could get", given), "name the file, such as -o out.stl");
   const fs::path name = fs::path(input).filename();
-  if (const std::size_t hole = given.find(kHole); hole != given.npos) return std::string(given).replace(hole, kHole.size(), name.stem().string());
+  if (given.find(kHole) != given.npos) return filled(given, name.stem().string());
   return (fs::path(given) / (suffix.empty() ? name.string() : name.stem().string() + std::string(suffix))).string();
 }
 
-std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options) {
+std::string file_for_all(const std::string& given, const std::string& name) {
+  if (given.empty()) return {};
+  const std::size_t hole = given.find(kHole);
+  return ((hole == given.npos ? fs::path(given) / "" : fs::path(given.substr(0, hole)).parent_path()) / name).string();
+}
+
+std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options, const std::vector<OtherFile>& others) {
   Claims claims;
   for (const std::string& input : inputs) claims.claim_input(input);
   std::vector<std::vector<std::string>> files;
@@ -74,9 +86,10 @@ std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& 
     require_place(option);
     for (const std::string& input : inputs) {
       own.push_back(file_for(*option.path, input, option.suffix));
-      claims.claim(own.back(), option, input);
+      claims.claim(own.back(), option.option, input);
     }
   }
+  for (const OtherFile& other : others) claims.claim(other.file, other.option, other.content);
   return files;
 }
 

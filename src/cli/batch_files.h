@@ -2,7 +2,7 @@
 //
 //   what is given         for the input parts/a.stl
 //   out/, or a folder     out/a.stl (or the suffix that the option's files have)
-//   out/{}-clean.ply      out/a-clean.ply
+//   out/{}-clean.ply      out/a-clean.ply; so is every further {}, in names of folders, too
 //   out.stl               out.stl: for one input only
 #pragma once
 
@@ -27,9 +27,19 @@ struct PlacedOption {
   std::string_view suffix;  // as in file_for
 };
 
+// The one file `name` of a place for all inputs together: in the folder, or, of a pattern, in the folder that stands before its first {}. Empty for an empty place.
+std::string file_for_all(const std::string& given, const std::string& name);
+
+// A file that is written besides those of the options.
+struct OtherFile {
+  std::string_view option;  // that asks for it
+  std::string file;
+  std::string content;      // what it holds, for messages: "the summary"
+};
+
 // The files of all inputs: [option][input], nothing for an option that was not given.
-// Throws Error{usage}, before anything is done: an option names one file for several inputs; two files have one name; a file would replace an input.
-std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options);
+// Throws Error{usage}, before anything is done: an option names one file for several inputs; two files have one name, `others` among them; a file would replace an input.
+std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options, const std::vector<OtherFile>& others = {});
 
 // For one input: each option gets its file.
 void place_files_of(const std::string& input, const std::vector<PlacedOption>& options);

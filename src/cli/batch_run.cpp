@@ -30,20 +30,41 @@ std::string fitted(const std::string& name, std::size_t width) {
   return name.size() <= width ? name : "..." + name.substr(name.size() - (width - 3));
 }
 
-std::string line_of(const BatchFile& f, std::size_t width, bool is_check) {
-  std::string text = fmt::format("{:<{}}  {:<12}{:>10}{:>8}{:>10}{:>13}", fitted(f.input, width), width, f.verdict, or_dash(f.facets, "{}"), or_dash(f.open_edges, "{}"),
-                                 or_dash(f.self_intersections, "{}"), or_dash(f.volume, "{:.6g}"));
-  if (!is_check) text += fmt::format("{:>11}", or_dash(f.max_deviation, "{:.3g}"));
+// Columns of the table that have a unit: in their heads, unless files differ in it.
+struct Columns {
+  explicit Columns(const BatchResult& batch) : is_check(batch.command == "check"), name(name_width(batch.files)), unit(batch.unit) {
+    const BatchFile* first = nullptr;
+    for (const BatchFile& file : batch.files) {
+      if (!file.volume) continue;  // no figure that has one
+      if (first == nullptr) first = &file;
+      mixed |= file.unit != first->unit;
+    }
+    if (first != nullptr) unit = mixed ? std::nullopt : first->unit;
+    if (mixed) volume += 5, deviation += 3;
+  }
+  bool is_check, mixed = false;
+  std::size_t name;
+  std::optional<ModelUnit> unit;  // of the heads
+  int volume = 13, deviation = 11;
+};
+
+std::string line_of(const BatchFile& f, const Columns& columns) {
+  const auto cell = [&](const std::optional<double>& value, std::string_view format, int power) {
+    return or_dash(value, format) + (value && columns.mixed ? unit_suffix(f.unit, power) : std::string());
+  };
+  std::string text = fmt::format("{:<{}}  {:<12}{:>10}{:>8}{:>10}{:>{}}", fitted(f.input, columns.name), columns.name, f.verdict, or_dash(f.facets, "{}"), or_dash(f.open_edges, "{}"),
+                                 or_dash(f.self_intersections, "{}"), cell(f.volume, "{:.6g}", 3), columns.volume);
+  if (!columns.is_check) text += fmt::format("{:>{}}", cell(f.max_deviation, "{:.3g}", 1), columns.deviation);
   return text + fmt::format("{:>8.1f}\n", f.seconds);
 }
 
 std::string table_of(const BatchResult& batch) {
-  const bool is_check = batch.command == "check";
-  const std::size_t width = name_width(batch.files);
-  std::string text = fmt::format("{:<{}}  {:<12}{:>10}{:>8}{:>10}{:>13}", "file", width, "verdict", "facets", "open", "crossing", fmt::format("volume{}", unit_suffix(batch.unit, 3)));
-  if (!is_check) text += fmt::format("{:>11}", fmt::format("off by{}", unit_suffix(batch.unit)));
+  const Columns columns(batch);
+  std::string text = fmt::format("{:<{}}  {:<12}{:>10}{:>8}{:>10}{:>{}}", "file", columns.name, "verdict", "facets", "open", "crossing",
+                                 fmt::format("volume{}", unit_suffix(columns.unit, 3)), columns.volume);
+  if (!columns.is_check) text += fmt::format("{:>{}}", fmt::format("off by{}", unit_suffix(columns.unit)), columns.deviation);
   text += fmt::format("{:>8}\n", "s");
-  for (const BatchFile& file : batch.files) text += line_of(file, width, is_check);
+  for (const BatchFile& file : batch.files) text += line_of(file, columns);
   return text;
 }
 
@@ -61,7 +82,7 @@ class Batch {
   explicit Batch(const BatchPlan& plan) : plan_(plan), summary_(plan.summary, plan.overwrite), start_(monotonic_seconds()) {
     result_.command = plan.command;
     result_.unit = plan.unit;
-    result_.jobs = plan.jobs.of(plan.inputs.size());
+    result_.jobs = plan.jobs.of(plan.inputs.size(), plan.threads);
   }
 
   int run() {
@@ -106,8 +127,9 @@ class Batch {
 
 }  // namespace
 
-int Jobs::of(std::size_t runs) const {
-  const int wanted = count > 0 ? count : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+int Jobs::of(std::size_t runs, int threads) const {
+  int wanted = count > 0 ? count : static_cast<int>(std::thread::hardware_concurrency());
+  if (threads > 0) wanted = std::min(wanted, threads);
   return std::max(1, std::min(wanted, static_cast<int>(std::min<std::size_t>(runs, 4096))));
 }
 

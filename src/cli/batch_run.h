@@ -16,8 +16,8 @@ namespace burnish {
 // What --jobs asks for.
 struct Jobs {
   int count = 1;  // 0: as many as the machine has threads
-  // At most one for each run.
-  int of(std::size_t runs) const;
+  // At most one for each run, and for each of `threads` (0: as many as there are).
+  int of(std::size_t runs, int threads) const;
 };
 
 // Adds an input that is not empty.

@@ -1,8 +1,10 @@
 #include <fmt/format.h>
 #include <unistd.h>
 
+#include <array>
 #include <filesystem>
 #include <functional>
+#include <utility>
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
@@ -43,6 +45,8 @@ unwritable, 5 a guarantee could not be met, 6 memory limit, 7 time limit,
 70 a bug of Burnish, 130 interrupted; of several inputs, the highest of theirs.
 )";
 
+constexpr std::array kSnapshotPercents{25, 50, 75};
+
 class CleanCommand : public Command {
  public:
   CommandLine command_line() override {
@@ -79,13 +83,13 @@ class CleanCommand : public Command {
     if (job_.output.empty())
       throw Error(ErrorCode::usage, fmt::format("unexpected argument '{}'", inputs_[1]), fmt::format("the output is named with -o: -o {}; several inputs need a folder for theirs: -o out/", inputs_[1]));
     const std::vector<PlacedOption> placed = placed_options();
-    const std::vector<std::vector<std::string>> files = files_for(inputs_, placed);
-    const std::string snapshots = snapshots_;
+    const std::string snapshots = snapshots_, summary = file_for_all(report_path_, "summary.json");
+    const std::vector<std::vector<std::string>> files = files_for(inputs_, placed, other_files(summary));
     const auto take = [&](std::size_t run) {
       job_.input = inputs_[run];
       for (std::size_t o = 0; o < placed.size(); ++o)
         if (!files[o].empty()) *placed[o].path = files[o][run];
-      if (!snapshots.empty()) snapshots_ = (std::filesystem::path(snapshots) / std::filesystem::path(job_.input).filename()).string();
+      if (!snapshots.empty()) snapshots_ = snapshot_folder(snapshots, job_.input);
     };
     MadeFolders folders;
     for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
@@ -95,7 +99,7 @@ class CleanCommand : public Command {
     return run_batch({.command = "clean",
                       .inputs = inputs_,
                       .outputs = files.front(),
-                      .summary = report_path_.empty() ? std::string() : (std::filesystem::path(report_path_).parent_path() / "summary.json").string(),
+                      .summary = summary,
                       .overwrite = job_.overwrite,
                       .jobs = jobs_,
                       .threads = threads_,
@@ -115,6 +119,21 @@ class CleanCommand : public Command {
 
   // Options that name a file for each input; for several, a folder or a pattern. The output is the first.
   std::vector<PlacedOption> placed_options() { return {{"-o", &job_.output, ""}, {"--report", &report_path_, ".json"}, {"--html", &html_path_, ".html"}}; }
+
+  // What several inputs are written to besides those.
+  std::vector<OtherFile> other_files(const std::string& summary) const {
+    std::vector<OtherFile> files;
+    if (!summary.empty()) files.push_back({"--report", summary, "the summary"});
+    if (snapshots_.empty()) return files;
+    for (const std::string& input : inputs_)
+      for (const int percent : kSnapshotPercents)
+        files.push_back({"--snapshots", snapshot_file(snapshot_folder(snapshots_, input), file_for(job_.output, input, ""), percent), input});
+    return files;
+  }
+
+  static std::string snapshot_folder(const std::string& given, const std::string& input) {
+    return (std::filesystem::path(given) / std::filesystem::path(input).filename()).string();
+  }
 
   void warn_of_idle_options() const {
     Console console(verbosity());
@@ -189,10 +208,8 @@ class CleanCommand : public Command {
              "write the report to a file with --report FILE");
     }
     if (report_path_ == "-") refuse("--report needs a file's name", "--json prints the report");
-    if (!report_path_.empty() && same_file(report_path_, job_.output)) {
-      refuse(fmt::format("{}: --report and -o name the same file", report_path_), "");
-    }
     require_page();
+    require_distinct_files();
     if (job_.output == "-" && is_terminal(STDOUT_FILENO)) {
       refuse("-o - would print a binary file on the terminal", "redirect standard output, or name a file");
     }
@@ -205,8 +222,24 @@ class CleanCommand : public Command {
     const auto refuse = [](const std::string& message, const std::string& hint) { throw Error(ErrorCode::usage, message, hint); };
     if (html_path_ == "-") refuse("--html needs a file's name", "for example --html report.html");
     if (!snapshots_.empty()) refuse("--html and --snapshots exclude each other", "a page shows one result: leave one of them out");
-    for (const auto& [name, path] : {std::pair{"-o", job_.output}, {"--report", report_path_}, {"the input", job_.input}})
-      if (!path.empty() && same_file(html_path_, path)) refuse(fmt::format("{}: --html and {} name the same file", html_path_, name), "");
+  }
+
+  // Only the result may replace the input.
+  void require_distinct_files() const {
+    std::vector<std::pair<std::string_view, std::string>> files;
+    if (!snapshots_.empty())
+      for (const int percent : kSnapshotPercents) files.emplace_back("--snapshots", snapshot_file(snapshots_, job_.output, percent));
+    for (const auto& [name, path] : {std::pair{"--html", html_path_}, {"--report", report_path_}, {"-o", job_.output}, {"the input", job_.input}})
+      if (!path.empty() && path != "-") files.emplace_back(name, path);
+    for (std::size_t a = 0; a < files.size(); ++a)
+      for (std::size_t b = a + 1; b < files.size(); ++b)
+        if (files[a].first != "-o" && same_file(files[a].second, files[b].second))
+          throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", files[a].second, files[a].first, files[b].first), "give one of them another name");
+  }
+
+  static std::string snapshot_file(const std::string& folder, const std::string& output, int percent) {
+    namespace fs = std::filesystem;
+    return (fs::path(folder) / fmt::format("smooth-{}{}", percent, fs::path(output).extension().string())).string();
   }
 
   // Snapshots that could not be made are warned of; what counts is the result.
@@ -216,10 +249,7 @@ class CleanCommand : public Command {
     fs::create_directories(snapshots_, error);
     if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be made: {}", snapshots_, error.message()));
     std::vector<SweepStep> steps;
-    for (const int percent : {25, 50, 75}) {
-      const Length part{0.01 * percent * job_.options.smooth.value, job_.options.smooth.unit};
-      steps.push_back({part, (fs::path(snapshots_) / fmt::format("smooth-{}{}", percent, fs::path(job_.output).extension().string())).string()});
-    }
+    for (const int percent : kSnapshotPercents) steps.push_back({Length{0.01 * percent * job_.options.smooth.value, job_.options.smooth.unit}, snapshot_file(snapshots_, job_.output, percent)});
     steps.push_back({job_.options.smooth, job_.output});
     std::vector<RepairReport> reports = sweep(job_, steps, console);
     for (const RepairReport& snapshot : reports)

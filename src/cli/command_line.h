@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "burnish/core/error.h"
 #include "burnish/core/model_unit.h"
 #include "value.h"
 
@@ -62,6 +63,23 @@ struct CommandLine {
   const Option* find(char letter) const;
 };
 
+// An option with its value, and the place where it was given: "burnish.ini:7", or nothing for the command line.
+struct GivenOption {
+  const Option* option = nullptr;
+  std::string value;
+  std::string place;
+};
+
+// What a command line came to. The options point into the table.
+struct ParsedLine {
+  std::vector<GivenOption> given;  // in the order in which they were set
+  bool json = false;               // --json is among them; of words that are not understood, too: how to answer can be told all the same
+  bool only_saves = false;         // that was all: there are no operands
+};
+
+// `error` with the places, in front, of options that it names and that stand in a file.
+Error with_places(const Error& error, const ParsedLine& parsed);
+
 // One command of the program. Its settings live in the object, its table points into them.
 class Command {
  public:
@@ -75,11 +93,11 @@ class Command {
 //
 // Understood: `--name value`, `--name=value`, `-n value`, `-nvalue`, switches run together (`-qv`), and
 // `--`, after which everything is an operand. A lone `-` is an operand or a value. Options of the file that --config
-// names are set first, in its order, except those that the arguments have too; --units is set before all others.
-// Writes the file that --save-config names (cli/config.h). False if that is all that was asked for: there are no operands.
+// names are set first, in its order, except those that the arguments have too, or an alternative of; --units is set before all others.
+// Writes the file that --save-config names (cli/config.h). `parsed` is filled in as far as things got, whatever is thrown.
 // Throws Error{usage} for unknown options (suggesting the nearest), missing or surplus values, options
 // given twice that are not repeatable, and operands too many or too few; as cli/config.h says for the two files.
-bool parse(const CommandLine& line, const std::vector<std::string>& arguments);
+void parse(const CommandLine& line, const std::vector<std::string>& arguments, ParsedLine& parsed);
 
 // The full help of a command, at most 80 columns wide.
 std::string help_text(const CommandLine& line);

@@ -62,9 +62,13 @@ void require_plausible_input(const std::string& path) {
               fmt::format("did you mean '{}'?", *near));
 }
 
-bool same_file(const std::string& a, const std::string& b) {
+std::string resolved_path(const std::string& path) {
   namespace fs = std::filesystem;
-  return fs::absolute(a).lexically_normal() == fs::absolute(b).lexically_normal();
+  std::error_code error;
+  const fs::path resolved = fs::weakly_canonical(fs::absolute(path), error);
+  return (error ? fs::absolute(path).lexically_normal() : resolved).string();
 }
+
+bool same_file(const std::string& a, const std::string& b) { return resolved_path(a) == resolved_path(b); }
 
 }  // namespace burnish

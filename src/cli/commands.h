@@ -44,7 +44,9 @@ CommandLine full_command_line(Command& command);
 // Everything else about the input is for its reader to judge.
 void require_plausible_input(const std::string& path);
 
-// Whether two paths name the same file, as far as the names tell.
+// The one name of the file that `path` names: absolute, and with links followed as far as they exist. Files that would be written may not be there yet.
+std::string resolved_path(const std::string& path);
+// Whether two paths name the same file, through whatever links.
 bool same_file(const std::string& a, const std::string& b);
 
 }  // namespace burnish

@@ -9,6 +9,7 @@
 #include <map>
 #include <set>
 #include <system_error>
+#include <utility>
 
 #include "burnish/core/error.h"
 #include "commands.h"
@@ -152,7 +153,10 @@ class ConfigReader {
   std::vector<GivenOption> take() {
     std::set<const Option*> overruled;
     for (const GivenOption& given : own_) overruled.insert(given.option);
-    std::erase_if(common_, [&](const GivenOption& given) { return overruled.contains(given.option); });
+    const auto is_overruled = [&](const GivenOption& given) {
+      return overruled.contains(given.option) || std::any_of(overruled.begin(), overruled.end(), [&](const Option* o) { return are_alternatives(o->name, given.option->name); });
+    };
+    std::erase_if(common_, is_overruled);
     common_.insert(common_.end(), own_.begin(), own_.end());
     std::erase_if(common_, [](const GivenOption& given) { return given.option->value.empty() && given.value == "false"; });
     for (GivenOption& given : common_)
@@ -212,6 +216,12 @@ std::vector<Option> config_rows(std::string_view group) {
 bool is_outside_of_config(const Option& option) {
   constexpr std::string_view kOutside[] = {"--config", "--save-config", "--help", "--version"};
   return std::find(std::begin(kOutside), std::end(kOutside), option.name) != std::end(kOutside);
+}
+
+bool are_alternatives(std::string_view one, std::string_view other) {
+  constexpr std::pair<std::string_view, std::string_view> kAlternatives[] = {{"--cell", "--resolution"},         {"--cell", "--cells"},     {"--quiet", "--verbose"},
+                                                                             {"--keep-openings", "--max-hole"}, {"--inside", "--outside"}, {"--samples", "--spacing"}};
+  return std::any_of(std::begin(kAlternatives), std::end(kAlternatives), [&](const auto& a) { return a == std::pair{one, other} || a == std::pair{other, one}; });
 }
 
 std::vector<GivenOption> parse_config(std::string_view text, const std::string& label, const CommandLine& line) { return ConfigReader(label, line).read(text); }

@@ -20,18 +20,15 @@
 
 namespace burnish {
 
-// An option with its value, and the place where it was given: "burnish.toml:7", or nothing for the command line.
-struct GivenOption {
-  const Option* option = nullptr;
-  std::string value;
-  std::string place;
-};
-
 // The rows of --config and --save-config, for the heading `group`. Their setters do nothing: `parse` looks for them.
 std::vector<Option> config_rows(std::string_view group);
 
 // Whether the option says what to do with configurations, or ends the run before there is one: no file can hold it.
 bool is_outside_of_config(const Option& option);
+
+// Whether two options are two ways to say one thing, such as --cell and --resolution: commands refuse both. Of one that the command line has, and one in a file,
+// the file's does not count; no more does one before the sections beside one in the command's own.
+bool are_alternatives(std::string_view one, std::string_view other);
 
 // The options that the file has for the command of `line`, in order; switches that are false left out.
 // All sections are checked for names that exist, and none of their values is set. Throws Error{usage}: the file cannot be read or is larger than 1 MiB, a line is

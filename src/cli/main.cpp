@@ -72,7 +72,16 @@ void refuse_late_command(const Words& words) {
   }
 }
 
-int run(Words words) {
+// An error of the command line that is about options of a file tells where they stand.
+int run_command(Command& command, const ParsedLine& parsed) try {
+  return command.run();
+} catch (const Error& error) {
+  if (error.code() != ErrorCode::usage) throw;
+  throw with_places(error, parsed);
+}
+
+// `parsed`: of the command, once it is known.
+int run(Words words, ParsedLine& parsed) {
   if (words.empty()) {
     write_stderr(kShortUsage);
     return exit_code(ErrorCode::usage);
@@ -91,7 +100,9 @@ int run(Words words) {
     refuse_late_command(words);
   }
   const std::unique_ptr<Command> command = chosen.make();
-  return parse(full_command_line(*command), words) ? command->run() : 0;
+  const CommandLine line = full_command_line(*command);
+  parse(line, words, parsed);
+  return parsed.only_saves ? 0 : run_command(*command, parsed);
 }
 
 }  // namespace
@@ -101,9 +112,11 @@ int main(int argc, char** argv) {
   burnish::occupy_standard_streams();
   burnish::install_signal_handlers();
   const burnish::Words words(argv + std::min(argc, 1), argv + argc);
+  burnish::ParsedLine parsed;
+  parsed.json = burnish::has_option(words, {"--json"});  // until the words are understood
   std::string error;
-  const int code = burnish::guarded([&] { return burnish::run(words); }, error);
+  const int code = burnish::guarded([&] { return burnish::run(words, parsed); }, error);
   // Standard output may be what failed, so nothing is made of its refusal.
-  if (!error.empty() && burnish::has_option(words, {"--json"})) burnish::write_stdout_if_possible(error);
+  if (!error.empty() && parsed.json) burnish::write_stdout_if_possible(error);
   return code;
 }

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cctype>
 #include <set>
 
 #include "burnish/core/error.h"
@@ -31,22 +32,21 @@ bool looks_like_option(std::string_view word) {
 
 class Parser {
  public:
-  Parser(const CommandLine& line, const std::vector<std::string>& arguments)
-      : line_(line), arguments_(arguments) {}
+  Parser(const CommandLine& line, const std::vector<std::string>& arguments, ParsedLine& parsed)
+      : line_(line), arguments_(arguments), given_(parsed.given), parsed_(parsed) {}
 
-  // False if the options were only to be saved.
-  bool run() {
+  void run() {
+    parsed_ = {};
     collect();
     add_configured();
     set_options();
     save();
-    if (!save_path_.empty() && operands_.empty()) return false;
-    set_operands();
-    return true;
+    parsed_.only_saves = !save_path_.empty() && operands_.empty();
+    if (!parsed_.only_saves) set_operands();
   }
 
  private:
-  void collect() {
+  void collect() try {
     bool options_end = false;
     while (next_ < arguments_.size()) {
       const std::string& word = arguments_[next_++];
@@ -60,6 +60,10 @@ class Parser {
         short_options(word);
       }
     }
+  } catch (const Error&) {  // what comes behind the word that is not understood
+    const auto end = std::find(arguments_.begin(), arguments_.end(), "--");
+    parsed_.json |= std::find(arguments_.begin() + static_cast<std::ptrdiff_t>(next_ - 1), end, "--json") != end;
+    throw;
   }
 
   void long_option(std::string_view word) {
@@ -102,6 +106,7 @@ class Parser {
     const bool first = seen_.insert(option.name).second;
     if (!first && !option.value.empty() && !option.repeatable) refuse(fmt::format("{} is given twice", option.name), "leave one of the two out");
     if (!first && option.value.empty()) std::erase_if(given_, [&](const GivenOption& g) { return g.option == &option; });  // the last one counts
+    parsed_.json |= option.name == "--json";
     given_.push_back({&option, std::string(value), {}});
   }
 
@@ -118,9 +123,14 @@ class Parser {
     const std::string path = value_given("--config");
     if (path.empty()) return;
     std::vector<GivenOption> configured = read_config(path, line_);
-    std::erase_if(configured, [&](const GivenOption& g) { return seen_.contains(g.option->name); });
+    std::erase_if(configured, [&](const GivenOption& g) { return is_overruled(g.option->name); });
     for (const GivenOption& g : configured) seen_.insert(g.option->name);
+    parsed_.json = seen_.contains("--json");
     given_.insert(given_.begin(), configured.begin(), configured.end());
+  }
+
+  bool is_overruled(std::string_view name) const {
+    return seen_.contains(name) || std::any_of(seen_.begin(), seen_.end(), [&](std::string_view seen) { return are_alternatives(seen, name); });
   }
 
   void set_options() {
@@ -144,9 +154,27 @@ class Parser {
     if (save_path_.empty()) return;
     for (const std::string& operand : operands_)
       if (same_file(operand, save_path_)) refuse(fmt::format("{}: --save-config names the input", save_path_), "give another name");
+    require_no_file_of_options();
+    require_no_alternatives();
     OutputFile file(save_path_, seen_.contains("--overwrite"));
     write_text(file.fd(), save_path_, config_text(line_, given_));
     file.commit();
+  }
+
+  // A configuration may be saved in its own place, which --overwrite has to allow, but not in that of another file of the run.
+  void require_no_file_of_options() const {
+    for (const GivenOption& g : given_)
+      if (g.option->value.kind == Value::Kind::file && !is_outside_of_config(*g.option) && same_file(g.value, save_path_))
+        refuse(fmt::format("{}: {} and {} name the same file", save_path_, g.option->name, "--save-config"), "give one of them another name");
+  }
+
+  // What no run would take is not saved.
+  void require_no_alternatives() const {
+    const auto says_something = [](const GivenOption& g) { return std::ranges::find(g.option->value.words, g.value) == g.option->value.words.end(); };  // unlike `--cell auto`
+    for (const GivenOption& one : given_)
+      for (const GivenOption& other : given_)
+        if (are_alternatives(one.option->name, other.option->name) && says_something(one) && says_something(other))
+          refuse(fmt::format("{} and {} exclude each other", one.option->name, other.option->name), "give one of the two");
   }
 
   void set_operands() {
@@ -183,7 +211,8 @@ class Parser {
   const std::vector<std::string>& arguments_;
   std::size_t next_ = 0;
   std::vector<std::string> operands_;
-  std::vector<GivenOption> given_;
+  std::vector<GivenOption>& given_;
+  ParsedLine& parsed_;
   std::set<std::string_view> seen_;
   std::string save_path_;
 };
@@ -202,6 +231,27 @@ const Option* CommandLine::find(char letter) const {
   return at == options.end() ? nullptr : &*at;
 }
 
-bool parse(const CommandLine& line, const std::vector<std::string>& arguments) { return Parser(line, arguments).run(); }
+void parse(const CommandLine& line, const std::vector<std::string>& arguments, ParsedLine& parsed) { Parser(line, arguments, parsed).run(); }
+
+namespace {
+
+// As a word of its own: --cell is not in "--cell-max".
+bool names(std::string_view message, std::string_view word) {
+  const auto is_of_name = [&](std::size_t at) { return at < message.size() && (std::isalnum(static_cast<unsigned char>(message[at])) != 0 || message[at] == '-'); };
+  for (std::size_t at = message.find(word); at != message.npos; at = message.find(word, at + 1))
+    if ((at == 0 || !is_of_name(at - 1)) && !is_of_name(at + word.size())) return true;
+  return false;
+}
+
+}  // namespace
+
+Error with_places(const Error& error, const ParsedLine& parsed) {
+  std::string places;
+  for (const GivenOption& g : parsed.given) {
+    const std::string letter = g.option->letter != 0 ? fmt::format("-{}", g.option->letter) : std::string(g.option->name);
+    if (!g.place.empty() && (names(error.what(), g.option->name) || names(error.what(), letter))) places += fmt::format("{}{}", places.empty() ? "" : ", ", g.place);
+  }
+  return places.empty() ? error : Error(error.code(), fmt::format("{}: {}", places, error.what()), error.hint());
+}
 
 }  // namespace burnish

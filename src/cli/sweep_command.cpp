@@ -108,14 +108,22 @@ class SweepCommand : public Command {
       static_cast<void>(format_for_writing(step.output));
     }
     if (report_path_ == "-") throw Error(ErrorCode::usage, "--report needs a file's name", "--json prints the reports");
-    if (!report_path_.empty() && std::any_of(steps_.begin(), steps_.end(), [&](const SweepStep& s) { return same_file(s.output, report_path_); }))
-      throw Error(ErrorCode::usage, fmt::format("{}: --report and -o name the same file", report_path_));
+    require_distinct_report();
     for (const SweepStep& step : steps_) {
       if ((step.smooth.unit == LengthUnit::cells) != (steps_.front().smooth.unit == LengthUnit::cells))
         throw Error(ErrorCode::usage, "--smooth: either all lengths of a sweep are in cells, or none is", "");
       job_.options.smooth = step.smooth;
       burnish::require_consistent(job_.options);
     }
+  }
+
+  void require_distinct_report() const {
+    if (report_path_.empty()) return;
+    const auto clash_with = [&](std::string_view other) {
+      throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", report_path_, "--report", other), "give one of them another name");
+    };
+    if (std::any_of(steps_.begin(), steps_.end(), [&](const SweepStep& s) { return same_file(s.output, report_path_); })) clash_with("-o");
+    if (same_file(report_path_, job_.input)) clash_with("the input");
   }
 
   static std::string json_of(const std::vector<RepairReport>& reports) {

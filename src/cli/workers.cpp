@@ -92,9 +92,16 @@ class Crew {
   explicit Crew(const WorkerPlan& plan) : plan_(plan), captures_(plan.jobs > 1), ends_(plan.count) {
     for (std::size_t i = 0; i < plan.count; ++i) waiting_.push_back(i);
   }
+  // Runs that nobody waits for any more end at once, with their temporaries.
   ~Crew() {
-    for (const auto& [run, worker] : running_) ::kill(worker.pid, SIGKILL);
-    for (const auto& [run, worker] : running_) ::waitpid(worker.pid, nullptr, 0);
+    for (const auto& [run, worker] : running_) ::kill(worker.pid, SIGUSR2);
+    const double end = monotonic_seconds() + kSecondsToStop;
+    for (const auto& [run, worker] : running_) {
+      pollfd polled{worker.alive.get(), 0, 0};
+      while (monotonic_seconds() < end && ::poll(&polled, 1, kPollMilliseconds) <= 0) continue;
+      ::kill(worker.pid, SIGKILL);  // one that has ended is not waited for yet, so the number is its own
+      while (::waitpid(worker.pid, nullptr, 0) < 0 && errno == EINTR) continue;
+    }
   }
   Crew(const Crew&) = delete;
   Crew& operator=(const Crew&) = delete;

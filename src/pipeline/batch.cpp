@@ -73,6 +73,7 @@ Json json_of(const BatchFile& f, bool with_results) {
       {"self_intersections_before", number(f.self_intersections)},
       {"volume", number(f.volume)},
       {"max_deviation", number(f.max_deviation)},
+      {"units", json_of(f.unit)},
       {"seconds", f.seconds},
       {"failure", failure_of(f.failure)},
   };
@@ -96,6 +97,7 @@ void read_told(BatchFile& file) {
     file.verdict = verdict_of_failure(ErrorCode::bug);
     return;
   }
+  if (const auto unit = told.find("units"); unit != told.end() && unit->is_string()) file.unit = model_unit(unit->get<std::string>());
   if (told.contains("defects"))
     read_check(told, file);
   else if (told.contains("output"))

@@ -42,6 +42,7 @@ ROWS = [
     config("a quoted value has no end", 'output-defects = "a.vtp\n'),
     config("expected one of \\\" \\\\ \\n \\r \\t in a quoted value, found '\\{}'", 'output-defects = "a\\b.vtp"\n'),
     line("{}: --save-config names the input", "cube.stl -o x.stl --save-config cube.stl"),
+    line("{} and {} exclude each other", "clean --cell 1 --resolution 10 --save-config x.ini"),
     # Outputs of check and compare.
     line("{}: both --output-defects and --output-thickness", "check cube.stl --output-defects d.vtp --output-thickness d.vtp"),
     Provoked("{}: {} names the input", "check m.ply --output-thickness ./m.ply", 2, {"m.ply": b""}),

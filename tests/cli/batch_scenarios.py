@@ -277,3 +277,85 @@ def the_same_of_sixty_names(box):
         box.write(name, box.read("cube.stl"))
     result = json.loads(box.succeed(["check", *names, "--json", "-q", "--jobs", "8"]).out)
     expect([f["input"] for f in result["files"]] == names and {f["volume"] for f in result["files"]} == {1}, "order or volumes")
+
+
+@scenario("batch")
+def nothing_but_the_result_replaces_an_input(box):
+    box.write("smooth-25.stl", box.read("cube.stl"))
+    (box.folder / "in").mkdir()
+    (box.folder / "link").symlink_to("in")
+    for name in ("in/a.stl", "in/b.stl", "in/summary.stl"):
+        box.write(name, box.read("cube.stl"))
+    before = {name: box.read(name) for name in ("cube.stl", "smooth-25.stl", "in/a.stl", "in/b.stl", "in/summary.stl")}
+    files = box.new_files()
+    for arguments, message in {
+        ("cube.stl", "-o", "x.stl", "--report", "cube.stl"): r"cube\.stl: --report and the input name the same file\n  hint: give one",
+        ("in/a.stl", "-o", "x.stl", "--report", "link/a.stl"): r"link/a\.stl: --report and the input name the same file",
+        ("in/a.stl", "-o", "x.stl", "--html", "link/a.stl"): r"link/a\.stl: --html and the input name the same file",
+        ("smooth-25.stl", "-o", "x.stl", "--smooth", "0.1", "--snapshots", "."): r"smooth-25\.stl: --snapshots and the input name the same file",
+        ("cube.stl", "-o", "s/smooth-75.stl", "--smooth", "0.1", "--snapshots", "s"): r"smooth-75\.stl: --snapshots and -o name the same file",
+        ("sweep", "cube.stl", "-o", "x{}.stl", "--smooth", "0.1,0.2", "--report", "cube.stl"): r"cube\.stl: --report and the input name the same file",
+        ("in/a.stl", "in/b.stl", "-o", "link/"): r"link/a\.stl: -o names an input\n  hint: write to another folder",
+        ("in/a.stl", "cube.stl", "-o", "in/{}.ply", "--html", "link/{}.ply"): r"link/a\.ply: -o and --html name the same file",
+        ("in/summary.stl", "cube.stl", "-o", "o/", "--report", "r/"): r"r/summary\.json: --report would write in/summary\.stl and the summary to the same file\n  hint: .*rename",
+    }.items():
+        run = box.run([*arguments, "--overwrite"])
+        expect(run.code == 2, f"{arguments}: exit code {run.code}\n{run.messages()}")
+        expect_match(r"\Aburnish: (\./)?" + message, run.messages(), f"{arguments}")
+        expect(box.new_files() == files, f"{arguments} made {box.new_files()}")
+        expect(all(box.read(name) == data for name, data in before.items()), f"{arguments} changed an input")
+    box.succeed(["in/summary.stl", "cube.stl", "-o", "o/", "-q"])  # without a report there is no summary
+
+
+@scenario("batch")
+def every_hole_of_a_pattern_and_the_folder_of_the_summary(box):
+    box.succeed(["hole.stl", "cube.stl", "-o", "o/{}/{}-x{}.ply", "--report", "r/{}/r.json", "-q"])
+    expect(files_in(box, "o") == ["cube/cube-xcube.ply", "hole/hole-xhole.ply"], f"{files_in(box, 'o')}")
+    expect(files_in(box, "r") == ["cube/r.json", "hole/r.json", "summary.json"], f"{files_in(box, 'r')}")
+    box.write("a{}b.stl", box.read("cube.stl"))
+    box.succeed(["a{}b.stl", "cube.stl", "-o", "p/{}{}.stl", "-q"])
+    expect(files_in(box, "p") == ["a{}ba{}b.stl", "cubecube.stl"], f"a name's own {{}}: {files_in(box, 'p')}")
+
+
+@scenario("batch")
+def threads_limit_jobs(box):
+    for threads, jobs, expected in (("1", "2", 1), ("1", "auto", 1), ("2", "4", 2), ("64", "2", 2)):
+        result = json.loads(box.succeed(["check", "cube.stl", "moved.stl", "cube.ascii.stl", "-q", "--json", "--threads", threads, "--jobs", jobs]).out)
+        expect(result["jobs"] == expected, f"{threads} threads, {jobs} jobs: {result['jobs']} at once")
+
+
+@scenario("batch")
+def nothing_is_left_when_nobody_reads_the_output(box):
+    for name in ("first.stl", "waits.stl"):
+        os.mkfifo(box.folder / name)
+    before = box.new_files()
+    with open("/dev/full", "wb") as full:
+        process = box.popen(["first.stl", "waits.stl", "-o", "o/", "--report", "r/", "-v", "--jobs", "2"], stdout=full)
+        wait_for(lambda: (box.folder / "r").exists() and sum(n.endswith(".tmp") for n in os.listdir(box.folder / "r")) == 3, "temporaries of both runs and of the summary")
+        workers = processes_of(process.pid)
+        started = time.monotonic()
+        box.write("first.stl", box.read("cube.stl"))
+        _, err = process.communicate(timeout=60)
+    expect(process.returncode == 4, f"exit code {process.returncode}\n{err.decode()}")
+    expect_match(r"^burnish: standard output: cannot write: ", err.decode(), "standard error")
+    expect(time.monotonic() - started < 4, "it took long to stop")
+    expect(len(workers) == 2 and not any(os.path.exists(f"/proc/{w}") for w in workers), f"runs left of {workers}")
+    expect((files_in(box, "o"), files_in(box, "r")) == (["first.stl"], ["first.json"]), f"left: {files_in(box, 'o')}, {files_in(box, 'r')}")
+    expect(box.new_files() == sorted([*before, "o", "r"]), f"left: {box.new_files()}")
+
+
+@scenario("batch")
+def units_of_each_file(box):
+    box.succeed(["cube.stl", "-o", "inch.3mf", "--units", "in", "-q"])
+    box.succeed(["cube.stl", "-o", "mm.3mf", "--units", "mm", "-q"])
+    run = box.succeed(["check", "inch.3mf", "cube.stl", "mm.3mf", "--json", "-q"])
+    result = json.loads(run.out)
+    expect_valid("batch.schema.json", result)
+    expect(result["units"] is None and [f["units"] for f in result["files"]] == ["in", None, "mm"], f"{[f['units'] for f in result['files']]}")
+    table = box.succeed(["check", "inch.3mf", "cube.stl", "mm.3mf"]).text()
+    expect_match(r"^file .* volume +s$", table, "a head without a unit")
+    for row in (r"^inch\.3mf .* 1 in\^3 +[\d.]+$", r"^cube\.stl .* 1 +[\d.]+$", r"^mm\.3mf .* 1 mm\^3 +[\d.]+$"):
+        expect_match(row, table, "a row")
+    expect_match(r"^file .* volume in\^3 +s$(.|\n)*^inch\.3mf .* 1 +[\d.]+$", box.succeed(["check", "inch.3mf", "./inch.3mf"]).text(), "one unit of all")
+    cleaned = box.succeed(["inch.3mf", "mm.3mf", "-o", "u/"]).text()
+    expect_match(r"^mm\.3mf .* 1 mm\^3 ", cleaned, "a cleaned file's row")

@@ -158,6 +158,52 @@ def malformed_files_never_crash(box):
         expect(run.code == 0 or run.messages().startswith("burnish: f.ini"), f"{box.read('f.ini')!r}: {run.messages()}")
 
 
+@scenario("config")
+def the_command_line_wins_over_another_way_to_say_it(box):
+    box.write("c.ini", b"resolution = 50\nquiet = true\nmax-hole = 3\n")
+    box.succeed(["hole.stl", "-o", "a.stl", "--config", "c.ini", "--cell", "0.125", "-v", "--report", "a.json", "--save-config", "saved.ini"])
+    expect(json.loads(box.read("a.json"))["options"]["cell"] == 0.125, "the cell of the command line")
+    expect_match(r"^cell = 0\.125$", box.read("saved.ini").decode(), "the file")
+    expect(not re.search(r"^(resolution|quiet) = ", box.read("saved.ini").decode(), re.MULTILINE), "what was overruled is saved")
+    box.write("d.ini", b"resolution = 50\n[clean]\ncell = 0.125\n")
+    box.succeed(["hole.stl", "-o", "d.stl", "--config", "d.ini", "-q"])
+    box.write("e.ini", b"cell = 0.125\nresolution = 50\n")
+    expect_match(r"\Aburnish: e\.ini:1, e\.ini:2: --cell and --resolution exclude each other\n", box.run(["hole.stl", "-o", "e.stl", "--config", "e.ini"]).messages(), "both in a file")
+    box.write("f.ini", b"\nsnapshots = s\nsmooth = 0.1\n")
+    run = box.run(["hole.stl", "-o", "e.stl", "--config", "f.ini", "--html", "e.html"])
+    expect_match(r"\Aburnish: f\.ini:2: --html and --snapshots exclude each other\n", run.messages(), "options that are no alternatives")
+
+
+@scenario("config")
+def json_in_a_configuration_counts_for_errors(box):
+    box.write("c.ini", b"json = true\n")
+    for arguments, code in ((["check", "nowhere.stl"], 3), (["hole.stl", "-o", "-"], 2), (["hole.stl"], 2)):
+        run = box.run([*arguments, "--config", "c.ini"])
+        expect(run.code == code and json.loads(run.out)["error"]["exit_code"] == code, f"{arguments}: {run.code}, {run.text()}")
+    box.write("c.ini", b"[check]\njson = true\n[clean]\njson = false\n")
+    expect(box.run(["nowhere.stl", "-o", "x.stl", "--config", "c.ini"]).out == b"", "another command's json")
+    for arguments in (["check", "nowhere.stl", "--smooth", "1", "--json"], ["check", "--json", "nowhere.stl", "--smooth"]):
+        expect(json.loads(box.run(arguments).out)["error"]["exit_code"] == 2, f"{arguments}: a word that is not understood")
+    for arguments in (["check", "nowhere.stl", "--", "--json"], ["check", "nowhere.stl", "--output-defects=--json"]):
+        expect(box.run(arguments).out == b"", f"{arguments}: --json is no option there")
+
+
+@scenario("config")
+def what_no_run_would_take_is_not_saved(box):
+    for arguments, message in {
+        ("hole.stl", "-o", "s5.stl", "--save-config", "s5.stl"): r"s5\.stl: --output and --save-config name the same file",
+        ("hole.stl", "-o", "x.stl", "--report", "r.json", "--save-config", "./r.json"): r"\./r\.json: --report and --save-config name the same file",
+        ("clean", "--quiet", "--verbose", "--save-config", "a.ini"): r"--quiet and --verbose exclude each other\n  hint: give one",
+        ("clean", "--cell", "1", "--resolution", "50", "--save-config", "a.ini"): r"--cell and --resolution exclude each other",
+    }.items():
+        run = box.run([*arguments, "--overwrite"])
+        expect(run.code == 2, f"{arguments}: exit code {run.code}\n{run.messages()}")
+        expect_match(r"\Aburnish: " + message, run.messages(), f"{arguments}")
+    box.expect_files([])
+    box.succeed(["clean", "--cell", "auto", "--resolution", "50", "--save-config", "a.ini"])
+    box.succeed(["clean", "--config", "a.ini", "--smooth", "1", "--save-config", "a.ini", "--overwrite"])
+
+
 # --- units ------------------------------------------------------------------------------------------
 
 def stretched_cube(box, name, factor):

@@ -9,7 +9,7 @@ ROWS = [
     # The command line.
     line("--html needs a file's name", "cube.stl -o x.stl --html -"),
     line("--html and --snapshots exclude each other", "cube.stl -o x.stl --smooth 0.1 --snapshots s --html x.html"),
-    line("{}: --html and {} name the same file", "cube.stl -o x.stl --html x.stl"),
+    line("{}: {} and {} name the same file", "cube.stl -o x.stl --html x.stl"),
     line("{} {}: expected one of {}", "curvature cube.stl -o x.vtp --order 3"),
     line("--snapshots needs a length", "cube.stl -o x.stl --snapshots 2"),
     line("--cell-max needs --adapt", "cube.stl -o x.stl --cell-max 1"),

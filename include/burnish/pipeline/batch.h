@@ -25,6 +25,7 @@ struct BatchFile {
   std::optional<std::uint64_t> self_intersections;  // of the input, pairs
   std::optional<double> volume;                     // of the output; of a check, the input
   std::optional<double> max_deviation;              // between input and output, the larger way
+  std::optional<ModelUnit> unit;                    // of its coordinates: as told for all, or as the file says
   double seconds = 0;                               // wall clock
   std::optional<Error> failure;                     // why the exit code is not 0; a check that finds defects has none
   std::string told;                                 // the JSON text that the run handed over
@@ -32,7 +33,7 @@ struct BatchFile {
 
 struct BatchResult {
   std::string command;             // "clean" or "check"
-  std::optional<ModelUnit> unit;   // as told for all
+  std::optional<ModelUnit> unit;   // as told for all; empty: each file may have its own
   int jobs = 1;                    // runs at once
   double seconds = 0;
   std::vector<BatchFile> files;    // in the order of the inputs
