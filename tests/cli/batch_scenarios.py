@@ -293,7 +293,7 @@ def nothing_but_the_result_replaces_an_input(box):
         ("in/a.stl", "-o", "x.stl", "--report", "link/a.stl"): r"link/a\.stl: --report and the input name the same file",
         ("in/a.stl", "-o", "x.stl", "--html", "link/a.stl"): r"link/a\.stl: --html and the input name the same file",
         ("smooth-25.stl", "-o", "x.stl", "--smooth", "0.1", "--snapshots", "."): r"smooth-25\.stl: --snapshots and the input name the same file",
-        ("cube.stl", "-o", "s/smooth-75.stl", "--smooth", "0.1", "--snapshots", "s"): r"smooth-75\.stl: --snapshots and -o name the same file",
+        ("cube.stl", "-o", "s/smooth-75.stl", "--smooth", "0.1", "--snapshots", "s"): r"s/smooth-75\.stl: --snapshots and -o name the same file",
         ("sweep", "cube.stl", "-o", "x{}.stl", "--smooth", "0.1,0.2", "--report", "cube.stl"): r"cube\.stl: --report and the input name the same file",
         ("in/a.stl", "in/b.stl", "-o", "link/"): r"link/a\.stl: -o names an input\n  hint: write to another folder",
         ("in/a.stl", "cube.stl", "-o", "in/{}.ply", "--html", "link/{}.ply"): r"link/a\.ply: -o and --html name the same file",

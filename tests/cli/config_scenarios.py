@@ -184,7 +184,7 @@ def json_in_a_configuration_counts_for_errors(box):
     expect(box.run(["nowhere.stl", "-o", "x.stl", "--config", "c.ini"]).out == b"", "another command's json")
     for arguments in (["check", "nowhere.stl", "--smooth", "1", "--json"], ["check", "--json", "nowhere.stl", "--smooth"]):
         expect(json.loads(box.run(arguments).out)["error"]["exit_code"] == 2, f"{arguments}: a word that is not understood")
-    for arguments in (["check", "nowhere.stl", "--", "--json"], ["check", "nowhere.stl", "--output-defects=--json"]):
+    for arguments in (["check", "nowhere.stl", "--smooth", "1", "--", "--json"], ["check", "nowhere.stl", "--output-defects=--json"]):
         expect(box.run(arguments).out == b"", f"{arguments}: --json is no option there")
 
 
