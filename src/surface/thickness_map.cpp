@@ -18,6 +18,7 @@ constexpr double kOpposed = -0.5;    // cosine between the normals of the two si
 constexpr double kFirst = 1e-2;      // of the radius: what a facet may reach into the first ball; a ball in a sphere touches all of it, and only so are most boxes passed over
 constexpr double kLater = 1e-4;      // and into later ones
 constexpr double kRounding = 1e-12;   // of products of normals
+constexpr double kSpread = 0.98;      // of squared distances: any facet in the ball shrinks it, and the closest of a ring around its centre costs the whole ring
 constexpr int kMostRounds = 40;
 constexpr double kBlocked = 1e-6;    // of the way to a contact
 constexpr double kInset = 1e-2;      // of the way from a point to its facet's centroid
@@ -45,7 +46,7 @@ class BallShrinker {
       const Vec3 centre = p + inwards * radius;
       const double within = radius * (1 - slack);
       const TriangleIndex::Closest q = index_.closest_of(centre, within * within, [&](std::uint32_t g) { return dot(normals_[g], normals_[f]) < kOpposed; },
-                                                         [&](std::uint32_t node) { return may_oppose(node, normals_[f]); });
+                                                         [&](std::uint32_t node) { return may_oppose(node, normals_[f]); }, kSpread);
       if (q.facet == kNoFacet || is_foreign(centre, q)) break;
       const double depth = dot(q.point - p, inwards);
       const double smaller = squared_norm(q.point - p) / (2 * depth);

@@ -41,9 +41,10 @@ class TriangleIndex {
   // the tree's order, i.e. that of facets_near.
   template <class Accept>
   Closest closest_of(const Vec3& p, double within_squared, Accept&& accept) const;
-  // The same, where `accept` holds for no facet below a node that `enter(node)` does not hold for.
+  // The same, where `accept` holds for no facet below a node that `enter(node)` does not hold for. With a `spread` less than 1 any facet whose
+  // squared distance is the least one's at most 1 / spread times may be found, nothing only if there is nothing.
   template <class Accept, class Enter>
-  Closest closest_of(const Vec3& p, double within_squared, Accept&& accept, Enter&& enter) const;
+  Closest closest_of(const Vec3& p, double within_squared, Accept&& accept, Enter&& enter, double spread = 1) const;
 
   // What a box holds, for all nodes of the tree: the box of `point(facet)` of the facets below each.
   template <class Point>
@@ -143,11 +144,12 @@ std::vector<Box3> TriangleIndex::boxes_of_nodes(Point&& point) const {
 }
 
 template <class Accept, class Enter>
-TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_squared, Accept&& accept, Enter&& enter) const {
+TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_squared, Accept&& accept, Enter&& enter, double spread) const {
   Closest best;
   best.squared_distance = within_squared;
   std::uint32_t best_slot = 0xffffffffu;
-  visit_leaves(p, [&] { return best.squared_distance * kRounding; }, [&](std::uint32_t begin, std::uint32_t end) {
+  double limit = within_squared * kRounding;
+  visit_leaves(p, [&] { return limit; }, [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t s = begin; s < end; ++s) {
       if (!accept(facet_ids_[s])) continue;
       Vec3 q;
@@ -155,6 +157,7 @@ TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_sq
       if (!(d2 < best.squared_distance || (d2 == best.squared_distance && best_slot != 0xffffffffu && s < best_slot))) continue;
       best = {q, d2, facet_ids_[s]};
       best_slot = s;
+      limit = d2 * kRounding * spread;
     }
   }, enter);
   return best;
