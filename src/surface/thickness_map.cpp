@@ -17,6 +17,8 @@ constexpr double kStart = 1e-9;      // of the diagonal: rays begin that far ins
 constexpr double kOpposed = -0.5;    // cosine between the normals of the two sides of a wall
 constexpr double kFirst = 1e-2;      // of the radius: what a facet may reach into the first ball; a ball in a sphere touches all of it, and only so are most boxes passed over
 constexpr double kLater = 1e-4;      // and into later ones
+constexpr double kRounding = 1e-12;   // of products of normals
+constexpr double kSpread = 0.98;      // of squared distances: any facet in the ball shrinks it, and the closest of a ring around its centre costs the whole ring
 constexpr int kMostRounds = 40;
 constexpr double kBlocked = 1e-6;    // of the way to a contact
 constexpr double kInset = 1e-2;      // of the way from a point to its facet's centroid
@@ -29,6 +31,7 @@ class BallShrinker {
       const Vec3 n = facet_normal_2a(soup, f);
       normals_[f] = norm(n) > 0 ? n / norm(n) : Vec3{};
     });
+    node_normals_ = index_.boxes_of_nodes([&](std::uint32_t f) { return normals_[f]; });
   }
 
   // At p on facet f, which has an area. [T-THICK-2]
@@ -42,7 +45,8 @@ class BallShrinker {
     for (int round = 0; round < kMostRounds; ++round) {
       const Vec3 centre = p + inwards * radius;
       const double within = radius * (1 - slack);
-      const TriangleIndex::Closest q = index_.closest_of(centre, within * within, [&](std::uint32_t g) { return dot(normals_[g], normals_[f]) < kOpposed; });
+      const TriangleIndex::Closest q = index_.closest_of(centre, within * within, [&](std::uint32_t g) { return dot(normals_[g], normals_[f]) < kOpposed; },
+                                                         [&](std::uint32_t node) { return may_oppose(node, normals_[f]); }, kSpread);
       if (q.facet == kNoFacet || is_foreign(centre, q)) break;
       const double depth = dot(q.point - p, inwards);
       const double smaller = squared_norm(q.point - p) / (2 * depth);
@@ -63,13 +67,22 @@ class BallShrinker {
     const Vec3 way = q.point - centre;
     const double length = std::sqrt(q.squared_distance);
     if (!(dot(way, normals_[q.facet]) >= 0)) return true;
-    return length > 0 && index_.first_hit(centre, way / length).distance < length * (1 - kBlocked);
+    return length > 0 && index_.first_hit(centre, way / length, length * (1 - kBlocked)).facet != kNoFacet;
+  }
+
+  // False only where no facet below a node of the index is opposed to a normal: the least product with what the box of their normals holds.
+  bool may_oppose(std::uint32_t node, const Vec3& n) const {
+    const Box3& box = node_normals_[node];
+    double least = 0;
+    for (int a = 0; a < 3; ++a) least += std::min(box.lower[a] * n[a], box.upper[a] * n[a]);
+    return least < kOpposed + kRounding;
   }
 
   const TriangleSoup& soup_;
   TriangleIndex index_;
   double start_;
   std::vector<Vec3> normals_;
+  std::vector<Box3> node_normals_;
 };
 
 // The point number `i` of a sequence that fills a triangle evenly (Roberts' R2, folded).

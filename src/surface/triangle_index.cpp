@@ -267,7 +267,12 @@ void TriangleIndex::facets_near(const Vec3& p, double within_squared, std::vecto
 }
 
 TriangleIndex::Hit TriangleIndex::first_hit(const Vec3& origin, const Vec3& direction) const {
+  return first_hit(origin, direction, std::numeric_limits<double>::infinity());
+}
+
+TriangleIndex::Hit TriangleIndex::first_hit(const Vec3& origin, const Vec3& direction, double within) const {
   Hit best;
+  best.distance = within;
   if (nodes_.empty()) return best;
   const Vec3 inverse{1 / direction.x, 1 / direction.y, 1 / direction.z};
   std::array<std::uint32_t, 128> stack;
@@ -287,7 +292,7 @@ TriangleIndex::Hit TriangleIndex::first_hit(const Vec3& origin, const Vec3& dire
       if (t < best.distance) best = {t, facet_ids_[s]};
     }
   }
-  return best;
+  return best.facet == 0xffffffffu ? Hit{} : best;
 }
 
 double TriangleIndex::winding_number(const Vec3& p) const {

@@ -31,7 +31,7 @@ struct ThicknessSample {
 
 // Samples spread over every facet, the larger the more: one a facet at least, and about `more` in all besides; those of a facet stand for
 // its whole area. `oriented`: closed, facets face outwards. In the order of facets; facets without area have none.
-// 5 to 10 us a sample. Same bits for any number of threads.
+// 5 to 25 us of a core a sample. Same bits for any number of threads.
 std::vector<ThicknessSample> thickness_samples(const TriangleSoup& oriented, std::size_t more, Progress& progress = no_progress());
 
 // The same at each point: a hundredth of the way to the centroid of its largest facet, whose normal counts. Not a number for points without facets.

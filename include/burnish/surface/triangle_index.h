@@ -41,6 +41,14 @@ class TriangleIndex {
   // the tree's order, i.e. that of facets_near.
   template <class Accept>
   Closest closest_of(const Vec3& p, double within_squared, Accept&& accept) const;
+  // The same, where `accept` holds for no facet below a node that `enter(node)` does not hold for. With a `spread` less than 1 any facet whose
+  // squared distance is the least one's at most 1 / spread times may be found, nothing only if there is nothing.
+  template <class Accept, class Enter>
+  Closest closest_of(const Vec3& p, double within_squared, Accept&& accept, Enter&& enter, double spread = 1) const;
+
+  // What a box holds, for all nodes of the tree: the box of `point(facet)` of the facets below each.
+  template <class Point>
+  std::vector<Box3> boxes_of_nodes(Point&& point) const;
 
   // Appends every facet within sqrt(`within_squared`) of p to `facets`, and others from the same leaves of the tree,
   // in the tree's order.
@@ -53,6 +61,8 @@ class TriangleIndex {
   // The first facet that a ray meets, from either side; a ray through an edge may pass between its facets by rounding.
   // Moeller & Trumbore 1997. `direction` has length 1.
   Hit first_hit(const Vec3& origin, const Vec3& direction) const;
+  // The same, of facets nearer than `within`.
+  Hit first_hit(const Vec3& origin, const Vec3& direction, double within) const;
 
   // The generalised winding number (Jacobson et al. 2013) by the hierarchy of Barill et al. 2018: exact solid
   // angles of near facets, first-order Taylor expansions of the dipole field for groups farther than
@@ -90,9 +100,13 @@ class TriangleIndex {
     return squared_norm(d);
   }
   // Calls `visit(first slot, last)` for every leaf whose box is within the squared distance `limit()`, which may become less, nearer ones before
-  // farther ones where boxes do not overlap.
+  // farther ones where boxes do not overlap. Nothing below nodes that `enter(node)` does not hold for.
+  template <class Limit, class Visit, class Enter>
+  void visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit, Enter&& enter) const;
   template <class Limit, class Visit>
-  void visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit) const;
+  void visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit) const {
+    visit_leaves(p, limit, visit, [](std::uint32_t) { return true; });
+  }
   // The closest point of one facet, and its squared distance; infinity if it is surely above `limit`.
   double closest_in_slot(const Vec3& p, std::uint32_t slot, double limit, Vec3& q) const;
 
@@ -113,10 +127,29 @@ class TriangleIndex {
 
 template <class Accept>
 TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_squared, Accept&& accept) const {
+  return closest_of(p, within_squared, accept, [](std::uint32_t) { return true; });
+}
+
+template <class Point>
+std::vector<Box3> TriangleIndex::boxes_of_nodes(Point&& point) const {
+  std::vector<Box3> boxes(nodes_.size());
+  for (std::size_t i = nodes_.size(); i-- > 0;) {  // children stand behind their parents
+    const Node& node = nodes_[i];
+    for (std::uint32_t s = node.first; s < node.first + node.count; ++s) boxes[i].extend(point(facet_ids_[s]));
+    if (node.count > 0) continue;
+    boxes[i].lower = min(boxes[i + 1].lower, boxes[node.first].lower);
+    boxes[i].upper = max(boxes[i + 1].upper, boxes[node.first].upper);
+  }
+  return boxes;
+}
+
+template <class Accept, class Enter>
+TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_squared, Accept&& accept, Enter&& enter, double spread) const {
   Closest best;
   best.squared_distance = within_squared;
   std::uint32_t best_slot = 0xffffffffu;
-  visit_leaves(p, [&] { return best.squared_distance * kRounding; }, [&](std::uint32_t begin, std::uint32_t end) {
+  double limit = within_squared * kRounding;
+  visit_leaves(p, [&] { return limit; }, [&](std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t s = begin; s < end; ++s) {
       if (!accept(facet_ids_[s])) continue;
       Vec3 q;
@@ -124,19 +157,20 @@ TriangleIndex::Closest TriangleIndex::closest_of(const Vec3& p, double within_sq
       if (!(d2 < best.squared_distance || (d2 == best.squared_distance && best_slot != 0xffffffffu && s < best_slot))) continue;
       best = {q, d2, facet_ids_[s]};
       best_slot = s;
+      limit = d2 * kRounding * spread;
     }
-  });
+  }, enter);
   return best;
 }
 
-template <class Limit, class Visit>
-void TriangleIndex::visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit) const {
+template <class Limit, class Visit, class Enter>
+void TriangleIndex::visit_leaves(const Vec3& p, Limit&& limit, Visit&& visit, Enter&& enter) const {
   if (nodes_.empty()) return;
   std::array<Entry, 128> stack;  // depth is log2(n / 4) and each step down pushes one
   std::size_t top = 0;
   Entry here{0, bound(0, p)};
   while (true) {
-    if (here.bound <= limit()) {
+    if (here.bound <= limit() && enter(here.node)) {
       const Node& node = nodes_[here.node];
       if (node.count == 0) {
         Entry near{here.node + 1, bound(here.node + 1, p)}, far{node.first, bound(node.first, p)};
