@@ -113,15 +113,7 @@ std::vector<double> signed_distances(TriangleSoup surface, const std::vector<Vec
   progress.check();
   const ExactDistance exact(soup, index);
   QueryCounter counter(progress, "measuring", points.size());
-  const ClosestQuery closest = [&](const Vec3& p) -> ClosestPoint {
-    counter.count();
-    if (!exactly) {
-      const TriangleIndex::Closest c = index.closest(p);
-      return {c.point, c.squared_distance, c.facet};
-    }
-    const ExactDistance::Closest c = exact.closest(p);
-    return {c.point, c.squared_distance, c.facet};
-  };
+  const ClosestQuery closest = closest_query(index, exactly ? &exact : nullptr, counter);
   const SideRule rule = side_rule(soup);
   std::vector<double> distances;
   distances.reserve(points.size());

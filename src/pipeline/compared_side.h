@@ -41,6 +41,19 @@ class QueryCounter {
   std::atomic<std::size_t> done_{0};
 };
 
+// The closest point of the indexed surface; exactly, if there is an `exact` one. All three have to outlive the query.
+inline ClosestQuery closest_query(const TriangleIndex& index, const ExactDistance* exact, QueryCounter& counter) {
+  return [&index, exact, &counter](const Vec3& p) -> ClosestPoint {
+    counter.count();
+    if (exact != nullptr) {
+      const ExactDistance::Closest c = exact->closest(p);
+      return {c.point, c.squared_distance, c.facet};
+    }
+    const TriangleIndex::Closest c = index.closest(p);
+    return {c.point, c.squared_distance, c.facet};
+  };
+}
+
 // One of the surfaces that are compared.
 class ComparedSide {
  public:
@@ -67,17 +80,7 @@ class ComparedSide {
     if (exactly) exact = std::make_unique<ExactDistance>(soup, *index);
   }
 
-  ClosestQuery query(QueryCounter& counter) const {
-    return [this, &counter](const Vec3& p) -> ClosestPoint {
-      counter.count();
-      if (exact) {
-        const ExactDistance::Closest c = exact->closest(p);
-        return {c.point, c.squared_distance, c.facet};
-      }
-      const TriangleIndex::Closest c = index->closest(p);
-      return {c.point, c.squared_distance, c.facet};
-    };
-  }
+  ClosestQuery query(QueryCounter& counter) const { return closest_query(*index, exact.get(), counter); }
 
   ComparedFile file;
   std::optional<ModelUnit> unit;  // as the file says

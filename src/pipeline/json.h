@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "burnish/core/build_info.h"
 #include "burnish/core/error.h"
 #include "burnish/core/timer.h"
 #include "burnish/core/vec.h"
@@ -22,7 +23,7 @@ inline std::string text_of(const Json& json) {
   return json.dump(2, ' ', false, Json::error_handler_t::replace) + '\n';
 }
 
-inline Json generator() { return "burnish " BURNISH_VERSION; }
+inline Json generator() { return "burnish " + std::string(build_info().version); }
 
 inline Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
