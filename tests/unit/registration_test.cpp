@@ -10,6 +10,7 @@
 #include <random>
 #include <vector>
 
+#include "support/motions.h"
 #include "support/parts.h"
 #include "support/shapes.h"
 
@@ -18,19 +19,6 @@ namespace {
 
 using namespace test;
 
-RigidMotion turn(const Vec3& axis, double angle, const Vec3& shift) {
-  const Vec3 u = axis / norm(axis);
-  RigidMotion m;
-  for (int i = 0; i < 3; ++i) {
-    Vec3 e;
-    e[i] = 1;
-    const Vec3 column = e * std::cos(angle) + cross(u, e) * std::sin(angle) + u * (dot(u, e) * (1 - std::cos(angle)));
-    for (int r = 0; r < 3; ++r) m.rows[static_cast<std::size_t>(r)][i] = column[r];
-  }
-  m.translation = shift;
-  return m;
-}
-
 // No two ways to lay it onto itself.
 TriangleSoup odd_part(int n) { return merged(bracket(n), moved(box({0.4, 0.2, 0.5}, n, n, n), {0.3, 0.1, 0.6})); }
 
@@ -38,10 +26,6 @@ double largest_error(const TriangleSoup& a, const RigidMotion& found, const Rigi
   double error = 0;
   for (const Vec3& p : a.points) error = std::max(error, norm(found(p) - truth(p)));
   return error / bounding_box(a).diagonal();
-}
-
-TriangleSoup by(const RigidMotion& m, const TriangleSoup& soup) {
-  return mapped(soup, [&](const Vec3& p) { return m(p); });
 }
 
 TEST(Registration, FindsRandomMotionsOfIdenticalSurfaces) {
