@@ -69,7 +69,9 @@ TEST(ThicknessMap, OfATubeIsTheDifferenceOfRadiiBetterThanItsFacets) {
     for (const int n : {32, 64, 128}) {
       const Error error = error_of(thickness_samples(tube(n, turn), 4000), wall);
       EXPECT_LT(error.largest, kOuter * (1 - std::cos(std::numbers::pi / n))) << n << ", turned by " << turn;
-      if (coarser > 0) EXPECT_NEAR(std::log2(coarser / error.rms), 2, 0.15) << n << ", turned by " << turn;
+      if (coarser > 0) {
+        EXPECT_NEAR(std::log2(coarser / error.rms), 2, 0.15) << n << ", turned by " << turn;
+      }
       coarser = error.rms;
     }
   }
