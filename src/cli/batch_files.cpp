@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
 #include <system_error>
 
@@ -95,24 +96,6 @@ std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& 
 
 void place_files_of(const std::string& input, const std::vector<PlacedOption>& options) {
   for (const PlacedOption& option : options) *option.path = file_for(*option.path, input, option.suffix);
-}
-
-MadeFolders::~MadeFolders() {
-  std::error_code ignored;
-  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
-}
-
-void MadeFolders::make_for(const std::string& file) {
-  if (!file.empty()) make(fs::absolute(file).lexically_normal().parent_path());
-}
-
-// Outermost first.
-void MadeFolders::make(const fs::path& folder) {
-  std::error_code error;
-  if (fs::is_directory(folder, error) || folder.parent_path() == folder) return;
-  make(folder.parent_path());
-  if (fs::create_directory(folder, error)) made_.push_back(folder);
-  if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()), "name another folder");
 }
 
 }  // namespace burnish

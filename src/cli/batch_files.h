@@ -6,7 +6,6 @@
 //   out.stl               out.stl: for one input only
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -43,22 +42,5 @@ std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& 
 
 // For one input: each option gets its file.
 void place_files_of(const std::string& input, const std::vector<PlacedOption>& options);
-
-// Folders made for files; those that stay empty are removed in the end.
-class MadeFolders {
- public:
-  MadeFolders() = default;
-  ~MadeFolders();
-  MadeFolders(const MadeFolders&) = delete;
-  MadeFolders& operator=(const MadeFolders&) = delete;
-
-  // The folder that `file` is to be in. Throws Error{unwritable_output}.
-  void make_for(const std::string& file);
-
- private:
-  void make(const std::filesystem::path& folder);
-
-  std::vector<std::filesystem::path> made_;
-};
 
 }  // namespace burnish

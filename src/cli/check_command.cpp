@@ -11,6 +11,7 @@
 #include "batch_run.h"
 #include "commands.h"
 #include "console.h"
+#include "made_folders.h"
 #include "shared_rows.h"
 #include "streams.h"
 #include "suffixes.h"

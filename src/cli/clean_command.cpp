@@ -18,6 +18,7 @@
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
+#include "made_folders.h"
 #include "outcome.h"
 #include "report_file.h"
 #include "shared_rows.h"

@@ -14,6 +14,7 @@
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
+#include "made_folders.h"
 #include "mesh_summary.h"
 #include "outcome.h"
 #include "report_file.h"
@@ -66,7 +67,9 @@ class MeshCommand : public Command {
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     const double start = monotonic_seconds();
-    const FolderForReports folder(is_case() ? job_.output : "", {report_path_, quality_path_});
+    MadeFolders folders;
+    if (is_case())  // it may not be there yet, and its reports are made before it
+      for (const std::string& report : {report_path_, quality_path_}) folders.make_for(report, job_.output);
     ReportFile report_file(report_path_, job_.write.overwrite), quality_file(quality_path_, job_.write.overwrite);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
     for (const std::string& option : idle_options(job_.options)) console.warn(option, {"has no effect without --smooth"});
