@@ -128,7 +128,7 @@ class CheckCommand : public Command {
   void require_consistent() const {
     require_no_input("--output-defects", job_.defects_output, "the defects are no replacement for the model: give another name");
     require_no_input("--output-thickness", job_.thickness_output, "the thickness is no replacement for the model: give another name");
-    if (!job_.defects_output.empty() && !job_.thickness_output.empty() && same_file(job_.defects_output, job_.thickness_output))
+    if (named_twice({{"--output-defects", job_.defects_output}, {"--output-thickness", job_.thickness_output}}))
       throw Error(ErrorCode::usage, fmt::format("{}: both --output-defects and --output-thickness", job_.defects_output), "give one of them another name");
   }
 

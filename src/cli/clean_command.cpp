@@ -211,15 +211,12 @@ class CleanCommand : public Command {
 
   // Only the result may replace the input.
   void require_distinct_files() const {
-    std::vector<std::pair<std::string_view, std::string>> files;
+    std::vector<NamedFile> files;
     if (!snapshots_.empty())
-      for (const int percent : kSnapshotPercents) files.emplace_back("--snapshots", snapshot_file(snapshots_, job_.output, percent));
-    for (const auto& [name, path] : {std::pair{"--html", html_path_}, {"--report", report_path_}, {"-o", job_.output}, {"the input", job_.input}})
-      if (!path.empty() && path != "-") files.emplace_back(name, path);
-    for (std::size_t a = 0; a < files.size(); ++a)
-      for (std::size_t b = a + 1; b < files.size(); ++b)
-        if (files[a].first != "-o" && same_file(files[a].second, files[b].second))
-          throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", files[a].second, files[a].first, files[b].first), "give one of them another name");
+      for (const int percent : kSnapshotPercents) files.push_back({"--snapshots", snapshot_file(snapshots_, job_.output, percent)});
+    files.insert(files.end(), {{"--html", html_path_}, {"--report", report_path_}, {"-o", job_.output}, {"the input", job_.input}});
+    if (const auto two = named_twice(files); two && two->front().by != "-o")
+      throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", two->front().path, two->front().by, two->back().by), "give one of them another name");
   }
 
   static std::string snapshot_file(const std::string& folder, const std::string& output, int percent) {
