@@ -77,11 +77,12 @@ std::vector<Vec3> corners_of(const TriangleSoup& soup, std::span<const std::uint
 
 }  // namespace
 
-HtmlMarks find_marks(const TriangleSoup& welded, const Defects& counted, Progress& progress) {
+HtmlMarks find_marks(const TriangleSoup& welded, const Defects& counted, const std::vector<std::array<std::uint32_t, 2>>& intersecting, Progress& progress) {
   HtmlMarks marks;
   if (welded.facets.empty() || !has_defects(counted)) return marks;
   QuietProgress quiet(progress);
-  marks.inspection = inspect(welded, {.self_intersections = counted.self_intersecting_pairs > 0, .elements = true}, quiet);
+  marks.inspection = inspect(welded, {.self_intersections = intersecting.empty() && counted.self_intersecting_pairs > 0, .elements = true}, quiet);
+  if (!intersecting.empty()) marks.inspection.self_intersections = intersecting;
   marks.map = locate_defects(welded, marks.inspection);
   return marks;
 }
