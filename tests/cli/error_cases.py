@@ -14,14 +14,16 @@ import sys
 import batch_rows
 import cases
 import error_rows
+import fault_rows
 import named_tests
 import option_rows
+import result_rows
 import runner
 import threemf_rows
 from provoked import regex_of
 
 ROOT = named_tests.ROOT
-ROWS = [*error_rows.ROWS, *option_rows.ROWS, *batch_rows.ROWS, *threemf_rows.ROWS]
+ROWS = [*error_rows.ROWS, *option_rows.ROWS, *batch_rows.ROWS, *threemf_rows.ROWS, *result_rows.ROWS, *fault_rows.ROWS]
 
 
 def load_checker():
