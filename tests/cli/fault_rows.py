@@ -32,7 +32,7 @@ ROWS = [
     failing("zlib: not enough memory to decompress", "inflateInit2", "v.nrrd --iso 9.5 -o x.stl", 6, files=nrrd("", ("encoding: ascii", "encoding: gzip\nendian: little")).files),
     failing("{}: cannot be unpacked", "inflateInit2", "ic cube.stl --case case", 3, before=lambda box: packed(box.folder / "case" / MESH / "points")),
     failing("{}: cannot be compressed", "deflateInit2", "mesh cube.stl -o case --cell 0.2 --compressed", 4),
-    Provoked("out of memory", "ulimit -v 400000; burnish example nozzle -o x.stl", 6, in_shell=True),
+    Provoked("out of memory", "truncate -s 1G m.stl; ulimit -v 500000; burnish check m.stl --threads 1", 6, in_shell=True),
     failing("no process", "fork", "check cube.stl hole.stl", 6),
     # Disks that fail, folders that are shut.
     failing("{}: cannot be read back", "read", "mesh cube.stl -o x.cgns --cell 0.2", 4, file=".tmp"),
