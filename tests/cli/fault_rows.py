@@ -1,5 +1,6 @@
 """Rows that provoke messages of docs/errors.md: what only a fault of the system brings about (see error_cases.py and faults.py)."""
 import os
+import struct
 
 import faults
 from ic_scenarios import write_case
@@ -10,6 +11,14 @@ from threemf_rows import GOOD
 def failing(message, fault, command, code, file="", **more):
     """While the function `fault` fails."""
     return Provoked(message, command, code, fault=(fault, file), **more)
+
+
+def one_large_hole(box):
+    """A binary STL of one facet more than can be read, in 70 GB that no disk holds."""
+    facets = (2**32 - 1) // 3 + 1
+    with open(box.folder / "m.stl", "wb") as file:
+        file.write(bytes(80) + struct.pack("<I", facets))
+        file.truncate(84 + 50 * facets)
 
 
 def with_pipe(box):
@@ -34,8 +43,10 @@ ROWS = [
     failing("{}: cannot be compressed", "deflateInit2", "mesh cube.stl -o case --cell 0.2 --compressed", 4),
     Provoked("out of memory", "truncate -s 1G m.stl; ulimit -v 500000; burnish check m.stl --threads 1", 6, in_shell=True),
     failing("no process", "fork", "check cube.stl hole.stl", 6),
+    failing("no thread: {}", "pthread_create", "check knot.stl", 6, before=lambda box: box.succeed(["example", "knot", "-q", "-o", "knot.stl"])),
+    failing("{} are more than the {} that can be read", "nothing, and maps lazily", "check m.stl", 3, before=one_large_hole),
     # Disks that fail, folders that are shut.
-    failing("{}: cannot be read back", "read", "mesh cube.stl -o x.cgns --cell 0.2", 4, file=".tmp"),
+    failing("{}: cannot be read back", "read", "mesh cube.stl -o x.cgns --cell 0.2", 4, file=".tmp", library="the CGNS library"),
     Provoked("{}: cannot be kept: {}", "mesh cube.stl -o case --cell 0.2 --overwrite", 4, before=with_pipe),
     Provoked("{}: cannot be written into: {}", faults.as_nobody("mesh cube.stl -o case --cell 0.2"), 4, in_shell=True, before=read_only),
     # What no library should do.

@@ -9,6 +9,8 @@
 
 #include <dlfcn.h>
 #include <fcntl.h>
+#include <pthread.h>
+#include <sys/mman.h>
 #include <sys/types.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -61,6 +63,19 @@ pid_t fork() noexcept {
 ssize_t read(int fd, void* to, size_t size) {
   if (asked_for("read") && reads_the_file(fd)) return errno = EIO, -1;
   return next<ssize_t(int, void*, size_t)>("read")(fd, to, size);
+}
+
+// Does not fail: a file of 70 GB that is one hole is there to be looked at, and not to be read as a whole.
+void* mmap(void* at, size_t size, int protection, int flags, int fd, off_t offset) noexcept {
+  if (asked_for("nothing, and maps lazily")) flags &= ~MAP_POPULATE;
+  return next<void*(void*, size_t, int, int, int, off_t)>("mmap")(at, size, protection, flags, fd, offset);
+}
+
+// Those that TBB asks for: other libraries start some before main.
+int pthread_create(pthread_t* thread, const pthread_attr_t* attributes, void* (*run)(void*), void* argument) noexcept {
+  Dl_info caller{};
+  if (asked_for("pthread_create") && ::dladdr(__builtin_return_address(0), &caller) && caller.dli_fname && std::strstr(caller.dli_fname, "tbb")) return EAGAIN;
+  return next<int(pthread_t*, const pthread_attr_t*, void* (*)(void*), void*)>("pthread_create")(thread, attributes, run, argument);
 }
 
 // The first corner of the first triangle becomes a point that is not there.

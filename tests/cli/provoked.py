@@ -63,6 +63,7 @@ class Provoked:
     stdin: bytes = b""
     in_shell: bool = False  # for what only redirections and limits provoke: a line of the shell, in which burnish is the program under test
     fault: tuple = ()       # a function that fails, and for reading which files (faults.environment)
+    library: str = ""       # that the build may be without: then its absence is told instead
 
     def run(self, program):
         with runner.Sandbox(program) as box:
@@ -78,6 +79,8 @@ class Provoked:
                 self.before(box)
             result = self.through_shell(box) if self.in_shell else box.run(shlex.split(self.command), self.stdin, faults.environment(*self.fault) if self.fault else None)
         text = result.messages()
+        if self.library and f"made without {self.library}" in text:
+            return self.code, self.message
         runner.expect(result.code == self.code, f"{self.command}: exit code {result.code}, expected {self.code}: {self.message}\n{text}")
         runner.expect(regex_of(self.message).search(text), f"{self.command}: expected the message\n  {self.message}\nfound\n{text}")
         return result.code, text

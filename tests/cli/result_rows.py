@@ -2,7 +2,7 @@
 import math
 
 import models
-from provoked import Provoked, line
+from provoked import Provoked, line, nrrd
 
 
 def made(shape, name, *options):
@@ -28,6 +28,7 @@ def turned_box(size, at, turn):
     return [tuple(moved(p) for p in f) for f in models.cube()]
 
 
+ENDLESS = "--memory 9000000G"
 FAR = 39000  # where float32 has steps of 0.04 cells
 
 
@@ -84,4 +85,9 @@ ROWS = [
     # Volume fractions.
     Provoked("a level set with cells of {} takes about {} GB; the budget is {} GB", "ic m.stl --case case --method linear --cell 0.0001 --memory 1M", 6, {"m.stl": IN_THE_MESH}),
     Provoked("the level set has cells of {}, not of {}, to stay within the memory budget: raise --memory", "ic m.stl --case case --method linear --memory 30K", 0, {"m.stl": IN_THE_MESH}),
+    # More cells than can be counted: the budget is no obstacle.
+    line("the mesh would have more than 2^20 cells along a side", f"mesh cube.stl -o m --outside --domain 100000 --cell 0.1 --coarsest 10 {ENDLESS}", 6),
+    line("the mesh would have more than 2^31 cells", f"mesh cube.stl -o m --outside --domain 1000 --cell 0.1 --refine=-900,-900,-900,900,900,900:0.1 {ENDLESS}", 6),
+    line("an octree of cells can have {} along a side; with a cell of {} it needs more", f"field cube.stl --cell-octree --cell 3e-7 {ENDLESS}", 6),
+    nrrd("the volume is {} cells long; {} are possible", ("spacings: 1 1 1", "spacings: 1 1 1e-7"), code=6, command=f"v.nrrd --iso 9.5 -o x.stl {ENDLESS}"),
 ]
