@@ -341,10 +341,10 @@ void CleanRun::extract(const BuiltLevelSet& built) {
 }
 
 std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_index, const CompareOptions& options) {
-  report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
+  report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_), {}, nullptr, progress_);
   progress_.check();
   std::vector<FarSample> far;
-  report_.deviation.input_to_output = one_sided_distance(input_, result_index, options, &far);
+  report_.deviation.input_to_output = one_sided_distance(input_, result_index, options, &far, progress_);
   return far;
 }
 
@@ -453,6 +453,7 @@ void CleanRun::validate_result() {
   if (result_.facets.empty()) return;
   begin("validating");
   report_.surface.shapes = facet_shapes(result_);
+  progress_.check();
   if (!report_.failure) compare_topology();
 }
 
