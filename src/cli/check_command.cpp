@@ -48,7 +48,7 @@ class CheckCommand : public Command {
   }
 
   int run() override {
-    if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other");
+    if (quiet_ && verbose_) throw Error(ErrorCode::usage, "-q and -v exclude each other", "leave one of the two out");
     job_.thickness |= job_.min_thickness || !job_.thickness_output.empty();
     if (job_.overwrite && job_.defects_output.empty() && job_.thickness_output.empty())
       Console(verbosity()).warn("--overwrite", {"has no effect without --output-defects or --output-thickness"});

@@ -229,7 +229,7 @@ class CleanCommand : public Command {
     namespace fs = std::filesystem;
     std::error_code error;
     fs::create_directories(snapshots_, error);
-    if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be made: {}", snapshots_, error.message()));
+    if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be made: {}", snapshots_, error.message()), "name another folder for --snapshots");
     std::vector<SweepStep> steps;
     for (const int percent : kSnapshotPercents) steps.push_back({Length{0.01 * percent * job_.options.smooth.value, job_.options.smooth.unit}, snapshot_file(snapshots_, job_.output, percent)});
     steps.push_back({job_.options.smooth, job_.output});

@@ -189,7 +189,7 @@ class MeshCommand : public Command {
     const double factor = v.text.ends_with('k') ? 1e3 : v.text.ends_with('M') ? 1e6 : 1;
     const GivenValue digits = v.part(factor > 1 ? v.text.substr(0, v.text.size() - 1) : v.text);
     const double cells = std::round(positive_number(digits) * factor);
-    if (cells < 100 || cells > 4e9) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number of cells from 100 to 4000M", v.name, v.text));
+    if (cells < 100 || cells > 4e9) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number of cells from 100 to 4000M", v.name, v.text), "for example 200k, or 2M");
     return static_cast<std::uint64_t>(cells);
   }
 
@@ -201,19 +201,19 @@ class MeshCommand : public Command {
 
   static double flat_angle(const GivenValue& v) {
     const double angle = positive_number(v);
-    if (angle > 90) throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle up to 90 degrees", v.name, v.text));
+    if (angle > 90) throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle up to 90 degrees", v.name, v.text), "45 is the default: smaller angles keep small cells where the surface curves");
     return angle;
   }
 
   void set_crease_angle(const GivenValue& v) {
     job_.crease_angle = positive_number(v);
-    if (job_.crease_angle > 180) throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle up to 180 degrees", v.name, v.text));
+    if (job_.crease_angle > 180) throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle up to 180 degrees", v.name, v.text), "40 is the default; 180 keeps no edge");
     crease_given_ = true;
   }
 
   void set_layer_ratio(const GivenValue& v) {
     job_.layers.ratio = positive_number(v);
-    if (job_.layers.ratio < 1 || job_.layers.ratio > 2) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a ratio from 1 to 2", v.name, v.text));
+    if (job_.layers.ratio < 1 || job_.layers.ratio > 2) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a ratio from 1 to 2", v.name, v.text), "1.2 is the default");
     of_layers_ = v.name;
   }
 

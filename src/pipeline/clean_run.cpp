@@ -468,7 +468,7 @@ void CleanRun::compare_topology() {
   report_.failure = Error(ErrorCode::guarantee_unmet,
                           fmt::format("the result has {} components and genus {}; the level set has {} and {}", told.components, told.genus.value_or(-1),
                                       *told.wanted_components, *told.wanted_genus),
-                          "try --surface tetrahedra, or another --cell; --allow-invalid writes the result as it is");
+                          "try --surface tetrahedra, another --cell, or .ply (double precision); --allow-invalid writes the result as it is");
 }
 
 }  // namespace burnish

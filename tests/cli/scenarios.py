@@ -376,7 +376,7 @@ def waiting_for_standard_input_can_be_ended(box):
     time.sleep(0.3)
     process.send_signal(signal.SIGINT)
     expect(process.wait(timeout=10) == 130, f"exit code {process.returncode}")
-    expect_match(r"^burnish: interrupted", process.stderr.read().decode(), "standard error")
+    expect_match(r"^burnish: interrupted while reading standard input$", process.stderr.read().decode(), "standard error")
 
 
 @scenario("signals")
