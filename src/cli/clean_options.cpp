@@ -27,7 +27,7 @@ void iso_value(const GivenValue& given, VolumeOptions& options) {
 double angle(const GivenValue& given, double most) {
   const double degrees = non_negative_number(given);
   if (degrees > 0 && degrees <= most && degrees < 180) return degrees;
-  throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle between 0 and {} degrees", given.name, given.text, most));
+  throw Error(ErrorCode::usage, fmt::format("{} {}: expected an angle between 0 and {} degrees", given.name, given.text, most), fmt::format("for example {} {}", given.name, most < 40 ? 20 : 40));
 }
 
 void signed_offset(const GivenValue& given, CleanOptions& options) {

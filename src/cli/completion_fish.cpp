@@ -72,7 +72,7 @@ std::string joined(const std::vector<std::string_view>& words) {
 
 // What stands behind -a; empty when there is nothing to offer.
 std::string candidates(const Value& value) {
-  const std::string words = joined(value.words);
+  std::string words = joined(value.words);
   switch (value.kind) {
     case Value::Kind::file: return words.empty() ? "(__burnish_files)" : fmt::format("(__burnish_files {})", words);
     case Value::Kind::folder: return "(__fish_complete_directories (commandline -ct | string replace -r -- \"^--[^=]*=\" \"\") \"\")";

@@ -101,7 +101,7 @@ class CurvatureCommand : public Command {
     constexpr CurvatureOrder kOrders[] = {CurvatureOrder::second, CurvatureOrder::fourth, CurvatureOrder::sixth};
     if (is_listed(v)) return kOrders[place_among(v)];
     // No number is a misspelt other one: there is nothing to suggest.
-    throw Error(ErrorCode::usage, fmt::format("{} {}: expected one of {}", v.name, v.text, fmt::join(v.words, ", ")), "");
+    throw Error(ErrorCode::usage, fmt::format("{} {}: expected one of {}", v.name, v.text, fmt::join(v.words, ", ")), "higher orders look at more cells around: 4 is the default");
   }
 
   // Before anything is read; an output that looks at the model must not take its place.

@@ -121,7 +121,7 @@ class ExampleCommand : public Command {
     namespace fs = std::filesystem;
     if (!truth_.empty() &&
         fs::absolute(truth_).lexically_normal() == fs::absolute(output_).lexically_normal()) {
-      throw Error(ErrorCode::usage, fmt::format("{}: --truth and -o name the same file", truth_));
+      throw Error(ErrorCode::usage, fmt::format("{}: --truth and -o name the same file", truth_), "give one of them another name");
     }
     if (output_ == "-" && is_terminal(STDOUT_FILENO)) {
       throw Error(ErrorCode::usage, "-o - would print a binary file on the terminal",

@@ -214,7 +214,7 @@ class FieldCommand : public Command {
   static double band(const GivenValue& v) {
     const double cells = non_negative_number(v);
     if (cells < kLeastBand || cells > kWidestBand)
-      throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number of cells from {:g} to {:g}", v.name, v.text, kLeastBand, kWidestBand));
+      throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number of cells from {:g} to {:g}", v.name, v.text, kLeastBand, kWidestBand), "leave it out for the usual one");
     return cells;
   }
 
@@ -224,7 +224,7 @@ class FieldCommand : public Command {
 
   static double refine_tol(const GivenValue& v) {
     const double tolerance = non_negative_number(v);
-    if (!(tolerance > 0)) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number greater than zero", v.name, v.text));
+    if (!(tolerance > 0)) throw Error(ErrorCode::usage, fmt::format("{} {}: expected a number greater than zero", v.name, v.text), fmt::format("for example {} 2", v.name));
     return tolerance;
   }
 

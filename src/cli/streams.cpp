@@ -39,7 +39,7 @@ void write_text(int fd, const std::string& label, std::string_view text) {
   const int failure = write_all(fd, text);
   if (failure == 0) return;
   throw Error(ErrorCode::unwritable_output,
-              fmt::format("{}: cannot write: {}", label, std::generic_category().message(failure)));
+              fmt::format("{}: cannot write: {}", label, std::generic_category().message(failure)), "look at where it goes to: a disk that is full, or a program that has ended");
 }
 
 void write_stdout(std::string_view text) { write_text(STDOUT_FILENO, "standard output", text); }

@@ -89,7 +89,7 @@ class SweepCommand : public Command {
     for (std::string_view rest = given.text;;) {
       const std::size_t comma = rest.find(',');
       const std::string_view text = rest.substr(0, comma);
-      if (!seen.insert(text).second) throw Error(ErrorCode::usage, fmt::format("{} {}: {} is given twice", given.name, given.text, text));
+      if (!seen.insert(text).second) throw Error(ErrorCode::usage, fmt::format("{} {}: {} is given twice", given.name, given.text, text), "leave one of the two out");
       steps_.push_back({positive_length(given.part(text)), std::string(text)});
       if (comma == rest.npos) return;
       rest.remove_prefix(comma + 1);
@@ -111,7 +111,7 @@ class SweepCommand : public Command {
     require_distinct_report();
     for (const SweepStep& step : steps_) {
       if ((step.smooth.unit == LengthUnit::cells) != (steps_.front().smooth.unit == LengthUnit::cells))
-        throw Error(ErrorCode::usage, "--smooth: either all lengths of a sweep are in cells, or none is", "");
+        throw Error(ErrorCode::usage, "--smooth: either all lengths of a sweep are in cells, or none is", "write all of them as 2h, or none");
       job_.options.smooth = step.smooth;
       burnish::require_consistent(job_.options);
     }

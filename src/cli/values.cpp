@@ -152,7 +152,7 @@ Setter switch_on(bool& flag) {
 
 Setter store_text(std::string& text) {
   return [&text](const GivenValue& given) {
-    if (given.text.empty()) throw Error(ErrorCode::usage, fmt::format("{} is empty", given.name));
+    if (given.text.empty()) throw Error(ErrorCode::usage, fmt::format("{} is empty", given.name), "name a file, or leave it out");
     text = given.text;
   };
 }

@@ -11,6 +11,12 @@
 #include <tbb/blocked_range.h>
 #include <tbb/global_control.h>
 #include <tbb/parallel_for.h>
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+#include "burnish/core/error.h"
 #endif
 
 namespace burnish {
@@ -71,11 +77,18 @@ void parallel_chunks(std::size_t chunks, const std::function<void(std::size_t)>&
     for (std::size_t c = 0; c < chunks; ++c) body(c);
     return;
   }
-  tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1),
-                    [&](const tbb::blocked_range<std::size_t>& range) {
-                      for (std::size_t c = range.begin(); c != range.end(); ++c) body(c);
-                    },
-                    tbb::simple_partitioner());
+  try {
+    tbb::parallel_for(tbb::blocked_range<std::size_t>(0, chunks, 1),
+                      [&](const tbb::blocked_range<std::size_t>& range) {
+                        for (std::size_t c = range.begin(); c != range.end(); ++c) body(c);
+                      },
+                      tbb::simple_partitioner());
+  } catch (const std::runtime_error& error) {
+    // TBB has no type of its own for it.
+    if (std::string_view(error.what()).starts_with("pthread_create"))
+      throw Error(ErrorCode::memory_limit, std::string("no thread: ") + error.what(), "the system allows no more: try again with fewer --threads");
+    throw;
+  }
 }
 
 ThreadLimit::ThreadLimit(int threads)

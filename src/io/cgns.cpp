@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <fstream>
-#include <limits>
 #include <set>
 #include <span>
 #include <string_view>
@@ -14,6 +13,7 @@
 #include "burnish/core/error.h"
 #include "burnish/io/output_file.h"
 #include "burnish/io/volume_files.h"
+#include "counts.h"
 #include "element_corners.h"
 #include "fd_writer.h"
 #include "patch_names.h"
@@ -90,11 +90,10 @@ class CgnsFile {
 
  private:
   void check(int status) const {
-    if (status != CG_OK) throw Error(ErrorCode::unwritable_output, fmt::format("{}: {}", label_, cg_get_error()));
+    if (status != CG_OK) throw Error(ErrorCode::unwritable_output, fmt::format("{}: {}", label_, cg_get_error()), "free some room, or write another format: .vtu, .msh, .su2 or an OpenFOAM case");
   }
   cgsize_t number(std::size_t n) const {
-    if (n > static_cast<std::size_t>(std::numeric_limits<cgsize_t>::max()))
-      throw Error(ErrorCode::usage, fmt::format("{}: {} items are more than numbers of {} bits count", label_, n, 8 * sizeof(cgsize_t)), "write an OpenFOAM case or a .vtu");
+    require_signed(label_, n, 8 * static_cast<int>(sizeof(cgsize_t)));
     return static_cast<cgsize_t>(n);
   }
 
@@ -159,7 +158,7 @@ void copy(const std::string& from, OutputFile& to) {
   FdWriter out(to.fd(), to.destination());
   std::vector<char> piece(kPiece);
   while (in.read(piece.data(), static_cast<std::streamsize>(piece.size())), in.gcount() > 0) out.put(std::string_view(piece.data(), static_cast<std::size_t>(in.gcount())));
-  if (!in.eof()) throw Error(ErrorCode::unwritable_output, from + ": cannot be read back");
+  if (!in.eof()) throw Error(ErrorCode::unwritable_output, to.destination() + ": cannot be read back", "look at the disk, or write another format: .vtu, .msh, .su2 or an OpenFOAM case");
   out.flush();
 }
 

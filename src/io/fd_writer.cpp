@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "burnish/core/error.h"
+#include "system_hint.h"
 
 namespace burnish {
 
@@ -36,7 +37,7 @@ void FdWriter::flush() {
     if (n >= 0) {
       done += static_cast<std::size_t>(n);
     } else if (errno != EINTR) {
-      throw Error(ErrorCode::unwritable_output, label_ + ": cannot be written: " + std::strerror(errno));
+      throw Error(ErrorCode::unwritable_output, label_ + ": cannot be written: " + std::strerror(errno), write_hint(errno));
     }
   }
   used_ = 0;

@@ -11,6 +11,7 @@
 #include "foam_file.h"
 #include "packed_writer.h"
 #include "patch_names.h"
+#include "system_hint.h"
 
 namespace burnish {
 namespace {
@@ -219,7 +220,7 @@ void store(const std::string& case_folder, const CaseFile& file) {
   if (FoamFile::exists(path)) return;
   std::error_code error;
   fs::create_directories(folder, error);
-  if (error) throw Error(ErrorCode::unwritable_output, folder + ": cannot be made: " + error.message());
+  if (error) throw Error(ErrorCode::unwritable_output, folder + ": cannot be made: " + error.message(), write_hint(error.value()));
   OutputFile output(path, false);
   PackedWriter out(output, false);
   out.put(foam_header_text(file.class_name, file.name, {}, fmt::format("    location    \"{}\";\n", file.folder)));

@@ -132,7 +132,7 @@ void set_patch_value(FoamField& field, const std::string& patch, const std::vect
   if (is_constraint(known->type))
     throw Error(ErrorCode::usage, fmt::format("patch {} is of the type {}, which has no value", patch, known->type), "leave its --patch-value out");
   const Boundary boundary = boundary_of(field);
-  if (!boundary.text) throw Error(ErrorCode::unreadable_input, "the field has no boundaryField");
+  if (!boundary.text) throw Error(ErrorCode::unreadable_input, "the field has no boundaryField", "read one that a case holds, or make one by new_foam_field()");
   const auto place = [&](const char* at) { return static_cast<std::size_t>(at - boundary.text->data()); };
   if (const FoamEntry* entry = find_entry(boundary.patches, patch); entry && entry->is_dictionary) {
     boundary.text->replace(place(entry->value.data()), entry->value.size(), condition_with(field, std::string(entry->value), value));

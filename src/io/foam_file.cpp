@@ -15,40 +15,11 @@
 namespace burnish {
 namespace {
 
+constexpr std::string_view kEntryHint = "correct the file there: brackets come in pairs, and entries are 'name value;' or 'name { ... }'";
 constexpr std::string_view kReadHint = "what is read is OpenFOAM's text or binary, plain or gzipped, of the byte order of this machine";
 
-// All members of a gzip file.
 // A file of the largest meshes is smaller; a few bytes can stand for far more.
 constexpr std::size_t kMostUnpacked = std::size_t{64} << 30;
-
-std::string unpack(std::string_view packed, const std::string& label) {
-  std::string out;
-  z_stream stream{};
-  if (inflateInit2(&stream, 15 + 16) != Z_OK) throw Error(ErrorCode::unreadable_input, label + ": cannot be unpacked");
-  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
-  std::vector<char> buffer(std::size_t{1} << 18);
-  constexpr std::size_t kMost = std::size_t{1} << 30;  // zlib counts in 32 bits
-  std::size_t taken = 0;
-  for (;;) {
-    if (stream.avail_in == 0) {
-      const std::size_t next = std::min(packed.size() - taken, kMost);
-      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + taken));
-      stream.avail_in = static_cast<uInt>(next);
-      taken += next;
-    }
-    stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
-    stream.avail_out = static_cast<uInt>(buffer.size());
-    const int state = inflate(&stream, Z_NO_FLUSH);
-    out.append(buffer.data(), buffer.size() - stream.avail_out);
-    if (out.size() > kMostUnpacked) throw Error(ErrorCode::unreadable_input, fmt::format("{}: unpacks to more than {} GB", label, kMostUnpacked >> 30), "unpack it with gunzip if that is right");
-    if (state == Z_STREAM_END) {
-      if (stream.avail_in == 0 && taken == packed.size()) return out;
-      inflateReset(&stream);
-    } else if (state != Z_OK) {
-      throw Error(ErrorCode::unreadable_input, fmt::format("{}: byte {}: the gzip file is broken or cut off", label, taken - stream.avail_in));
-    }
-  }
-}
 
 // Bytes of a value of a list in binary; 0: lists of it are text.
 std::size_t bytes_of(std::string_view type, const FoamFormat& format) {
@@ -79,7 +50,7 @@ class EntryScanner {
       } else if (*at_ == '(') {
         skip_bracket('(', ')');
       } else if (*at_ == '}' || *at_ == ')') {
-        source_.fail_at(at_, fmt::format("'{}' closes nothing", *at_), "");
+        source_.fail_at(at_, fmt::format("'{}' closes nothing", *at_), kEntryHint);
       } else {
         const FoamEntry entry = next();
         // A macro stands for entries that are elsewhere; a number, for the length of a list.
@@ -126,7 +97,7 @@ class EntryScanner {
   void skip_verbatim() {
     const std::string_view rest(at_, static_cast<std::size_t>(end_ - at_));
     const std::size_t to = rest.find("#}");
-    if (to == rest.npos) source_.fail_at(at_, "'#{' is not closed", "");
+    if (to == rest.npos) source_.fail_at(at_, "'#{' is not closed", "add the '#}' that ends it");
     at_ += to + 2;
   }
 
@@ -143,12 +114,12 @@ class EntryScanner {
 
   void skip_bracket(char open, char close) {
     const char* start = at_++;
-    if (++depth_ > kDeepest) source_.fail_at(start, "brackets within brackets, too many of them", "");
+    if (++depth_ > kDeepest) source_.fail_at(start, "brackets within brackets, too many of them", kEntryHint);
     while (at_ < end_ && *at_ != close) {
-      if (*at_ == (close == ')' ? '}' : ')')) source_.fail_at(at_, fmt::format("'{}' where '{}' of a list or dictionary was expected", *at_, close), "");
+      if (*at_ == (close == ')' ? '}' : ')')) source_.fail_at(at_, fmt::format("'{}' where '{}' of a list or dictionary was expected", *at_, close), kEntryHint);
       skip_part();
     }
-    if (at_ == end_) source_.fail_at(start, fmt::format("'{}' is not closed", open), "");
+    if (at_ == end_) source_.fail_at(start, fmt::format("'{}' is not closed", open), kEntryHint);
     ++at_;
     --depth_;
   }
@@ -166,9 +137,9 @@ class EntryScanner {
     while (at_ < end_ && *at_ >= '0' && *at_ <= '9' && count < rest.size()) count = 10 * count + static_cast<std::size_t>(*at_++ - '0');
     skip();
     if (at_ == end_ || *at_ != '(') return true;
-    if (static_cast<std::size_t>(end_ - at_) / each < count) source_.fail_at(at_, fmt::format("the file ends within a list of {} values", count), "");
+    if (static_cast<std::size_t>(end_ - at_) / each < count) source_.fail_at(at_, fmt::format("the file ends within a list of {} values", count), kCutOffHint);
     at_ += 1 + count * each;
-    if (at_ >= end_ || *at_ != ')') source_.fail_at(std::min(at_, end_), "expected ')' behind a list in binary", "");
+    if (at_ >= end_ || *at_ != ')') source_.fail_at(std::min(at_, end_), "expected ')' behind a list in binary", "the file is damaged: copy it again, or write the field as text with foamFormatConvert");
     ++at_;
     return true;
   }
@@ -180,7 +151,7 @@ class EntryScanner {
       skip_quoted();
     else
       while (at_ < end_ && !is_space(*at_) && *at_ != ';' && *at_ != '{' && *at_ != '}' && *at_ != '"') ++at_;
-    if (at_ == start) source_.fail_at(start, fmt::format("expected an entry's name, found {}", quoted({start, 1})), "");
+    if (at_ == start) source_.fail_at(start, fmt::format("expected an entry's name, found {}", quoted({start, 1})), kEntryHint);
     entry.name = {start, static_cast<std::size_t>(at_ - start)};
     if (!skip()) return entry;
     const char* value = at_;
@@ -222,12 +193,41 @@ void read_arch(const Source& source, std::string_view arch, FoamFormat& format) 
 
 }  // namespace
 
+std::string unpack_gzip(std::string_view packed, const std::string& label, std::size_t most) {
+  std::string out;
+  z_stream stream{};
+  if (inflateInit2(&stream, 15 + 16) != Z_OK) throw Error(ErrorCode::unreadable_input, label + ": cannot be unpacked", "free some memory, or unpack it with gunzip");
+  const std::unique_ptr<z_stream, int (*)(z_stream*)> end(&stream, inflateEnd);
+  std::vector<char> buffer(std::size_t{1} << 18);
+  constexpr std::size_t kMost = std::size_t{1} << 30;  // zlib counts in 32 bits
+  std::size_t taken = 0;
+  for (;;) {
+    if (stream.avail_in == 0) {
+      const std::size_t next = std::min(packed.size() - taken, kMost);
+      stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + taken));
+      stream.avail_in = static_cast<uInt>(next);
+      taken += next;
+    }
+    stream.next_out = reinterpret_cast<Bytef*>(buffer.data());
+    stream.avail_out = static_cast<uInt>(buffer.size());
+    const int state = inflate(&stream, Z_NO_FLUSH);
+    out.append(buffer.data(), buffer.size() - stream.avail_out);
+    if (out.size() > most) throw Error(ErrorCode::unreadable_input, fmt::format("{}: unpacks to more than {:.3g} GB", label, static_cast<double>(most) * 0x1p-30), "unpack it with gunzip if that is right");
+    if (state == Z_STREAM_END) {
+      if (stream.avail_in == 0 && taken == packed.size()) return out;
+      inflateReset(&stream);
+    } else if (state != Z_OK) {
+      throw Error(ErrorCode::unreadable_input, fmt::format("{}: byte {}: the gzip file is broken or cut off", label, taken - stream.avail_in), "copy it again; 'gunzip -t' tells whether it is whole");
+    }
+  }
+}
+
 FoamFile::FoamFile(const std::string& path) : path_(path) {
   std::error_code ignored;
   if (!std::filesystem::exists(path, ignored) && std::filesystem::exists(path + ".gz", ignored)) path_ = path + ".gz", compressed_ = true;
   mapped_ = std::make_unique<MappedFile>(path_);
   if (!compressed_) return;
-  unpacked_ = unpack(mapped_->bytes(), path_);
+  unpacked_ = unpack_gzip(mapped_->bytes(), path_, kMostUnpacked);
   mapped_.reset();
 }
 
@@ -247,11 +247,11 @@ FoamHeader foam_header(Source& source, bool compressed) {
   FoamHeader header;
   header.format.compressed = compressed;
   FoamScanner scanner(source, header.format, source.begin());
-  if (scanner.word() != "FoamFile" || !scanner.accept('{')) source.fail("it does not begin with a dictionary FoamFile: no file of an OpenFOAM case", "");
+  if (scanner.word() != "FoamFile" || !scanner.accept('{')) source.fail("it does not begin with a dictionary FoamFile: no file of an OpenFOAM case", "name the folder of a case, whose files begin with FoamFile { ... }");
   const char* begin = scanner.position();
   const auto size = static_cast<std::size_t>(source.end() - begin);
   const std::size_t close = std::string_view(begin, size).find('}');
-  if (close == std::string_view::npos) source.fail("the file ends within its header FoamFile", "");
+  if (close == std::string_view::npos) source.fail("the file ends within its header FoamFile", kCutOffHint);
   header.end = begin + close + 1;
   const std::vector<FoamEntry> entries = foam_entries(source, {begin, close}, header.format);
   if (const FoamEntry* e = find_entry(entries, "class")) header.class_name = e->value;
@@ -312,7 +312,7 @@ std::uint64_t FoamScanner::label(std::string_view what) {
   const bool ends = at_ == end_ || is_space(*at_) || *at_ == ')' || *at_ == '(' || *at_ == '{' || *at_ == '}' || *at_ == '/' || *at_ == ';';
   if (at_ > start && at_ - start < 19 && ends) return value;
   at_ = start;
-  if (at_ < end_ && *at_ == '#') fail(fmt::format("{}: directives are not supported in the files of a mesh", found()));
+  if (at_ < end_ && *at_ == '#') fail(fmt::format("{}: directives are not supported in the files of a mesh", found()), "write the mesh again with a tool of OpenFOAM, which leaves none in it");
   fail(fmt::format("expected a {}, found {}", what, found()));
 }
 
@@ -321,7 +321,7 @@ double FoamScanner::number() {
   double value = 0;
   const char* behind = read_number(at_, end_, value);
   const bool ends = behind && (behind == end_ || is_space(*behind) || *behind == ')' || *behind == '/');
-  if (!ends || !std::isfinite(value)) fail(fmt::format("expected a coordinate, found {}", found()));
+  if (!ends || !std::isfinite(value)) fail(fmt::format("expected a coordinate, found {}", found()), "three numbers in brackets make a point: correct it, or write the mesh again");
   at_ = behind;
   return value;
 }
@@ -335,14 +335,14 @@ std::size_t FoamScanner::count(std::string_view of) {
   skip();
   if (at_ < end_ && *at_ == '{') return static_cast<std::size_t>(value);
   at_ = start;
-  fail(fmt::format("{} {} are promised, and the file ends {} bytes later", value, of, end_ - start));
+  fail(fmt::format("{} {} are promised, and the file ends {} bytes later", value, of, end_ - start), kCutOffHint);
 }
 
 const char* FoamScanner::block(std::size_t count, std::size_t bytes_each, std::string_view what) {
   const char* start = at_;
-  if (static_cast<std::size_t>(end_ - at_) / bytes_each < count) fail(fmt::format("{} {} are promised, and the file ends {} bytes later", count, what, end_ - at_));
+  if (static_cast<std::size_t>(end_ - at_) / bytes_each < count) fail(fmt::format("{} {} are promised, and the file ends {} bytes later", count, what, end_ - at_), kCutOffHint);
   at_ += count * bytes_each;
-  if (at_ == end_ || *at_ != ')') fail(fmt::format("expected ')' behind {} {} in binary, found {}", count, what, found()));
+  if (at_ == end_ || *at_ != ')') fail(fmt::format("expected ')' behind {} {} in binary, found {}", count, what, found()), "the file is damaged: copy it again, or write it as text with foamFormatConvert");
   ++at_;
   return start;
 }
@@ -385,7 +385,7 @@ std::vector<Vec3> FoamScanner::points() {
     for (Vec3& p : points) {
       p = {raw_scalar(from), raw_scalar(from + each), raw_scalar(from + 2 * each)};
       from += 3 * each;
-      if (!is_finite(p)) source_.fail_at(from - 3 * each, "a coordinate is not finite", "");
+      if (!is_finite(p)) source_.fail_at(from - 3 * each, "a coordinate is not finite", "correct the point, or write the mesh again");
     }
     return points;
   }
@@ -406,11 +406,11 @@ std::vector<std::uint32_t> FoamScanner::labels(std::optional<std::size_t> size, 
   if (size && n != *size) {
     at_ = start;
     skip();
-    fail(fmt::format("expected a list of {}, found one of {}", *size, n));
+    fail(fmt::format("expected a list of {}, found one of {}", *size, n), "points, faces, owner and neighbour are of one mesh: write the mesh again");
   }
   std::vector<std::uint32_t> values;
   if (accept('{')) {  // all the same
-    if (!size) fail("a list of one and the same value was not expected");
+    if (!size) fail("a list of one and the same value was not expected", "cells and faces differ: write the mesh again");
     values.assign(n, checked(label(what), bound, what));
     expect('}', "behind the value");
     return values;

@@ -15,6 +15,12 @@
 
 namespace burnish {
 
+inline constexpr std::string_view kMeshHint = "write the mesh again with the tool that made it; OpenFOAM's checkMesh tells what else is wrong";
+inline constexpr std::string_view kCutOffHint = "the file was cut off: copy it again";
+
+// All members of a gzip file. Throws Error{unreadable_input} if it is broken, or holds more than `most` bytes.
+std::string unpack_gzip(std::string_view packed, const std::string& label, std::size_t most);
+
 // The bytes of `path`, or of `path`.gz, unpacked.
 class FoamFile {
  public:
@@ -93,7 +99,7 @@ class FoamScanner {
   void face(std::vector<std::uint32_t>& to, std::uint64_t bound);
   bool binary() const { return format_.binary; }
 
-  [[noreturn]] void fail(const std::string& message) const { source_.fail_at(at_, message, ""); }
+  [[noreturn]] void fail(const std::string& message, std::string_view hint = kMeshHint) const { source_.fail_at(at_, message, hint); }
   // What stands here, for a message.
   std::string found() const;
 

@@ -23,7 +23,7 @@ class MeshFile {
   MeshFile(const std::string& path, std::string_view expected_class, std::string_view other_class = {}) : file_(path), source_{file_.bytes(), file_.path(), false, true} {
     header_ = foam_header(source_, file_.compressed());
     if (header_.class_name != expected_class && (other_class.empty() || header_.class_name != other_class))
-      source_.fail(fmt::format("expected the class {}, found {}", expected_class, burnish::quoted(header_.class_name)), "");
+      source_.fail(fmt::format("expected the class {}, found {}", expected_class, burnish::quoted(header_.class_name)), "another file stands under this name: write the mesh again");
     scanner_.emplace(source_, header_.format, header_.end);
   }
   FoamScanner& scan() { return *scanner_; }
@@ -91,7 +91,7 @@ void read_faces(const std::string& path, PolyhedralMesh& mesh) {
   }
   for (std::size_t f = 0; f + 1 < mesh.face_start.size(); ++f)
     if (mesh.face_start[f + 1] - mesh.face_start[f] < 3)
-      file.source().fail(fmt::format("face {} has {} points", f, mesh.face_start[f + 1] - mesh.face_start[f]), "");
+      file.source().fail(fmt::format("face {} has {} points", f, mesh.face_start[f + 1] - mesh.face_start[f]), "a face has three points at least: mend the mesh with collapseEdges, or write it again");
 }
 
 // One cell more than the highest number: cells are not counted anywhere.
@@ -101,7 +101,7 @@ void count_cells(PolyhedralMesh& mesh, const MeshFile& file) {
     for (const std::uint32_t c : *list) highest = std::max(highest, c);
   const std::uint64_t cells = mesh.owner.empty() ? 0 : std::uint64_t{highest} + 1;
   // A cell without faces is none, and memory is not spent on it.
-  if (cells > 2 * mesh.faces()) file.source().fail(fmt::format("cell {} does not exist: {} faces do not bound as many", highest, mesh.faces()), "");
+  if (cells > 2 * mesh.faces()) file.source().fail(fmt::format("cell {} does not exist: {} faces do not bound as many", highest, mesh.faces()), "owner and neighbour are not of these faces: write the mesh again");
   mesh.cells = static_cast<std::uint32_t>(cells);
 }
 
@@ -114,9 +114,9 @@ void read_neighbour(const std::string& path, PolyhedralMesh& mesh) {
   MeshFile file(path, "labelList");
   mesh.neighbour = file.scan().labels({}, kAnyLabel, "cell");
   if (mesh.neighbour.size() > mesh.faces())
-    file.source().fail(fmt::format("expected a list of {} at most, as many as there are faces, found one of {}", mesh.faces(), mesh.neighbour.size()), "");
+    file.source().fail(fmt::format("expected a list of {} at most, as many as there are faces, found one of {}", mesh.faces(), mesh.neighbour.size()), "owner and neighbour are not of these faces: write the mesh again");
   for (std::size_t f = 0; f < mesh.internal_faces(); ++f)
-    if (mesh.neighbour[f] == mesh.owner[f]) file.source().fail(fmt::format("face {} has the same cell {} on both sides", f, mesh.owner[f]), "");
+    if (mesh.neighbour[f] == mesh.owner[f]) file.source().fail(fmt::format("face {} has the same cell {} on both sides", f, mesh.owner[f]), kMeshHint);
   count_cells(mesh, file);
 }
 
@@ -124,7 +124,7 @@ std::uint32_t whole_entry(const MeshFile& file, const FoamEntry& patch, const st
   const FoamEntry* entry = find_entry(entries, name);
   const std::optional<double> value = entry ? whole_number(entry->value) : std::nullopt;
   if (!value || !(*value >= 0) || *value >= static_cast<double>(kAnyLabel) || *value != static_cast<double>(static_cast<std::uint32_t>(*value)))
-    file.source().fail_at(patch.name.data(), fmt::format("patch {}: expected a whole number {}, found {}", patch.name, name, entry ? quoted(entry->value) : "none"), "");
+    file.source().fail_at(patch.name.data(), fmt::format("patch {}: expected a whole number {}, found {}", patch.name, name, entry ? quoted(entry->value) : "none"), fmt::format("correct {} of this patch in the file boundary, or write the mesh again", name));
   return static_cast<std::uint32_t>(*value);
 }
 
@@ -136,20 +136,20 @@ void read_boundary(const std::string& path, PolyhedralMesh& mesh) {
   scan.expect('(', "before the patches");
   const std::string_view rest(scan.position(), static_cast<std::size_t>(source.end() - scan.position()));
   const std::size_t close = rest.rfind(')');
-  if (close == rest.npos) source.fail("the list of patches is not closed", "");
+  if (close == rest.npos) source.fail("the list of patches is not closed", kCutOffHint);
   const FoamFormat text;
   std::uint64_t next = mesh.internal_faces();
   for (const FoamEntry& patch : foam_entries(source, rest.substr(0, close), text)) {
     const std::vector<FoamEntry> entries = foam_entries(source, patch.value, text);
     const FoamEntry* type = find_entry(entries, "type");
-    if (!patch.is_dictionary || !type) source.fail_at(patch.name.data(), fmt::format("{} is no patch: it has no type", quoted(patch.name)), "");
+    if (!patch.is_dictionary || !type) source.fail_at(patch.name.data(), fmt::format("{} is no patch: it has no type", quoted(patch.name)), "a patch is 'name { type ...; nFaces ...; startFace ...; }'");
     const std::uint32_t faces = whole_entry(file, patch, entries, "nFaces"), first = whole_entry(file, patch, entries, "startFace");
     if (first != next || next + faces > mesh.faces())
-      source.fail_at(patch.name.data(), fmt::format("patch {}: expected its faces from {} on, among {}; found {} from {} on", patch.name, next, mesh.faces(), faces, first), "");
+      source.fail_at(patch.name.data(), fmt::format("patch {}: expected its faces from {} on, among {}; found {} from {} on", patch.name, next, mesh.faces(), faces, first), "patches follow each other without gaps: correct nFaces and startFace, or write the mesh again");
     mesh.patches.push_back({std::string(patch.name), std::string(type->value), first, faces});
     next += faces;
   }
-  if (next != mesh.faces()) source.fail(fmt::format("{} faces on the boundary belong to no patch", mesh.faces() - next), "");
+  if (next != mesh.faces()) source.fail(fmt::format("{} faces on the boundary belong to no patch", mesh.faces() - next), "a patch is missing, or its nFaces is too small: correct the file boundary, or write the mesh again");
 }
 
 }  // namespace

@@ -2,10 +2,10 @@
 #include <fmt/format.h>
 
 #include <functional>
-#include <limits>
 #include <memory>
 
 #include "burnish/core/error.h"
+#include "counts.h"
 #include "foam_case_files.h"
 #include "foam_file.h"
 #include "packed_writer.h"
@@ -141,10 +141,8 @@ class PolyMeshFiles {
 
 // Lists longer than their labels can count cannot be read.
 void require_labels(const std::string& folder, const PolyhedralMesh& mesh, const FoamFormat& format) {
-  constexpr std::uint64_t kMost = std::numeric_limits<std::int32_t>::max();
-  const std::uint64_t most = format.binary ? std::max<std::uint64_t>(mesh.face_points.size(), mesh.faces()) : std::max<std::uint64_t>(mesh.points.size(), mesh.faces());
-  if (most > kMost && (!format.binary || format.label_bytes == 4))
-    throw Error(ErrorCode::usage, fmt::format("{}: {} corners of faces are more than labels of 32 bits count", folder, most), "choose larger cells, or write labels of 64 bits");
+  if (format.binary && format.label_bytes == 8) return;
+  require_32_bit_labels(folder, std::max<std::uint64_t>(format.binary ? mesh.face_points.size() : mesh.points.size(), mesh.faces()));
 }
 
 }  // namespace

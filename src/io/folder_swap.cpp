@@ -10,16 +10,19 @@
 #include <system_error>
 
 #include "burnish/core/error.h"
+#include "system_hint.h"
 
 namespace burnish {
 namespace {
 
 namespace fs = std::filesystem;
 
-[[noreturn]] void fail(const std::string& path, const std::string& reason) { throw Error(ErrorCode::unwritable_output, path + ": cannot be written: " + reason); }
+[[noreturn]] void fail(const std::string& path, int error) {
+  throw Error(ErrorCode::unwritable_output, path + ": cannot be written: " + std::strerror(error), write_hint(error));
+}
 
 void rename_or_fail(const std::string& from, const std::string& to) {
-  if (::rename(from.c_str(), to.c_str()) != 0) fail(to, std::strerror(errno));
+  if (::rename(from.c_str(), to.c_str()) != 0) fail(to, errno);
 }
 
 // A name that nothing has.
@@ -48,10 +51,10 @@ FolderSwap::FolderSwap(const std::string& destination) : destination_(resolved(d
   const fs::path parent = fs::path(destination_).parent_path();
   for (fs::path p = parent; !p.empty() && !fs::exists(p, error); p = p.parent_path()) made_.push_back(p.string());
   fs::create_directories(parent, error);
-  if (error) fail(parent.string(), error.message());
+  if (error) fail(parent.string(), error.value());
   const std::string temporary = temporary_beside(destination_);
   fs::create_directory(temporary, error);
-  if (error) fail(destination_, error.message());
+  if (error) fail(destination_, error.value());
   temporary_ = temporary;
 }
 
@@ -71,7 +74,7 @@ void FolderSwap::commit() {
   }
   std::string old = temporary_;
   if (::renameat2(AT_FDCWD, temporary_.c_str(), AT_FDCWD, destination_.c_str(), RENAME_EXCHANGE) != 0) {
-    if (errno != EINVAL && errno != ENOSYS) fail(destination_, std::strerror(errno));
+    if (errno != EINVAL && errno != ENOSYS) fail(destination_, errno);
     old = temporary_beside(destination_);
     rename_or_fail(destination_, old);
     rename_or_fail(temporary_, destination_);
@@ -86,7 +89,7 @@ void remove_folder(const std::string& folder) {
   rename_or_fail(folder, away);
   std::error_code error;
   fs::remove_all(away, error);
-  if (error) fail(folder, error.message());
+  if (error) fail(folder, error.value());
 }
 
 }  // namespace burnish

@@ -67,7 +67,7 @@ void MappedFile::read_to_end(int fd, const std::string& label) {
   for (;;) {
     if (size == buffer_.size()) buffer_.resize(size == 0 ? 1 << 16 : 2 * size);
     const ssize_t got = ::read(fd, buffer_.data() + size, buffer_.size() - size);
-    if (got < 0 && errno == EINTR) throw Error(ErrorCode::interrupted, "interrupted while reading " + label);
+    if (got < 0 && errno == EINTR) throw Error(ErrorCode::interrupted, "interrupted while reading " + label, "start again: nothing was written");
     if (got < 0) fail(label, std::strerror(errno));
     if (got == 0) break;
     size += static_cast<std::size_t>(got);

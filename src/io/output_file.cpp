@@ -15,6 +15,7 @@
 
 #include "burnish/core/error.h"
 #include "fd_writer.h"
+#include "system_hint.h"
 
 namespace burnish {
 namespace {
@@ -59,7 +60,7 @@ void release_slot(int& slot) {
 }
 
 [[noreturn]] void fail_errno(const std::string& path, int error) {
-  fail(path, std::string("cannot be written: ") + std::strerror(error));
+  fail(path, std::string("cannot be written: ") + std::strerror(error), write_hint(error));
 }
 
 // Refuses destinations that must not be replaced. A link to a file stands for that file.
@@ -124,6 +125,11 @@ OutputFile::~OutputFile() {
   ::close(fd_);
   ::unlink(temporary_.c_str());
   release_slot(slot_);
+}
+
+std::uint64_t OutputFile::bytes() const {
+  struct stat status {};
+  return ::fstat(fd_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
 }
 
 void OutputFile::truncate() {

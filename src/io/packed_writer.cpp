@@ -11,7 +11,7 @@ constexpr std::size_t kPortion = std::size_t{1} << 18;
 
 PackedWriter::PackedWriter(const OutputFile& file, bool compressed) : label_(file.destination()), out_(file.fd(), label_), compressed_(compressed) {
   if (compressed_ && deflateInit2(&stream_, Z_DEFAULT_COMPRESSION, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY) != Z_OK)
-    throw Error(ErrorCode::unwritable_output, label_ + ": cannot be compressed");
+    throw Error(ErrorCode::unwritable_output, label_ + ": cannot be compressed", "free some memory, or leave --compressed out");
 }
 
 PackedWriter::~PackedWriter() {

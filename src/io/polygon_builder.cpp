@@ -4,7 +4,7 @@
 
 #include <algorithm>
 
-#include "readers.h"
+#include "counts.h"
 
 namespace burnish {
 namespace {
@@ -15,9 +15,7 @@ constexpr std::string_view kFacetHint = "re-export the file, or pass --salvage t
 
 void PolygonBuilder::add_point(const Vec3& point, const char* at) {
   std::vector<Vec3>& points = file_.soup.points;
-  if (points.size() >= kMaxFacets)
-    source_.fail_at(at, fmt::format("more than the {} points that can be read", kMaxFacets),
-                    "split the file");
+  require_room_for_point(source_, at, points.size());
   const bool broken = !is_finite(point);
   if (broken && !source_.salvage)
     source_.fail_at(at, "a point has a coordinate that is missing or not a finite number", kFacetHint);
@@ -35,8 +33,7 @@ void PolygonBuilder::add_polygon(std::span<const std::int64_t> corners, const ch
   for (const std::int64_t c : corners)
     if (c < 0 || c >= static_cast<std::int64_t>(kMaxFacets)) return add_broken_polygon(at, unknown_point(c));
   std::vector<Facet>& facets = file_.soup.facets;
-  if (facets.size() + corners.size() > 3 * kMaxFacets)
-    source_.fail_at(at, "more facets than can be read", "split the file");
+  require_room_for_facets(source_, at, facets.size(), corners.size());
   const auto point = [&](std::size_t i) { return static_cast<std::uint32_t>(corners[i]); };
   for (std::size_t i = 2; i < corners.size(); ++i) {
     facets.push_back({point(0), point(i - 1), point(i)});

@@ -8,6 +8,7 @@
 
 #include <cmath>
 
+#include "counts.h"
 #include "huge_pages.h"
 #include "readers.h"
 #include "text_scanner.h"
@@ -205,8 +206,7 @@ class AsciiStlReader {
   }
 
   void emit_facet() {
-    if (soup_.facets.size() >= kMaxFacets)
-      source_.fail(fmt::format("more than the {} facets that can be read", kMaxFacets), "split the file");
+    require_room_for_facet(source_, soup_.facets.size());
     const auto first = static_cast<std::uint32_t>(3 * soup_.facets.size());
     soup_.facets.push_back({first, first + 1, first + 2});
   }

@@ -10,6 +10,7 @@
 #include <string>
 #include <unordered_map>
 
+#include "counts.h"
 #include "readers.h"
 #include "threemf.h"
 #include "threemf_components.h"
@@ -334,7 +335,7 @@ class Reader {
   void place_mesh(const Mesh& mesh, const Transform& transform, const std::string& name) {
     TriangleSoup& soup = file_.soup;
     if (mesh.facets.empty()) return;
-    if (soup.points.size() + mesh.points.size() > 0xffffffffu || soup.facets.size() + mesh.facets.size() > 0xffffffffu) source_.fail("holds more points than 32 bits count", kHint);
+    require_room_for_object(source_, soup.points.size() + mesh.points.size(), soup.facets.size() + mesh.facets.size());
     const auto first = static_cast<std::uint32_t>(soup.points.size());
     for (const Vec3& p : mesh.points) {
       soup.points.push_back(transform(p));

@@ -11,7 +11,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "fd_writer.h"
 
@@ -115,16 +114,12 @@ bool has_openvdb() { return true; }
 void require_openvdb(const std::string&) {}
 
 WrittenVdb write_vdb(int fd, const std::string& label, const VdbSource& source, Progress& progress) {
-  try {
-    openvdb::initialize();
-    const FloatGrid::Ptr grid = grid_of(source, progress);
-    FdWriter out(fd, label);
-    out.put(bytes_of(grid));
-    out.flush();
-    return {grid->activeVoxelCount(), grid->tree().leafCount()};
-  } catch (const openvdb::Exception& error) {
-    throw Error(ErrorCode::unwritable_output, fmt::format("{}: OpenVDB: {}", label, error.what()), "choose another format: .vti, .nrrd, .vtu or .htg");
-  }
+  openvdb::initialize();
+  const FloatGrid::Ptr grid = grid_of(source, progress);
+  FdWriter out(fd, label);
+  out.put(bytes_of(grid));
+  out.flush();
+  return {grid->activeVoxelCount(), grid->tree().leafCount()};
 }
 
 }  // namespace burnish

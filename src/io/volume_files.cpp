@@ -17,6 +17,7 @@
 #include "foam_file.h"
 #include "folder_swap.h"
 #include "suffix.h"
+#include "system_hint.h"
 
 namespace burnish {
 namespace {
@@ -50,7 +51,7 @@ void keep_others(const std::string& from, const std::string& to) {
   for (fs::directory_iterator entry(from, error), end; !error && entry != end; entry.increment(error)) {
     if (belongs_to_a_mesh(entry->path().filename().string())) continue;
     fs::copy(entry->path(), fs::path(to) / entry->path().filename(), fs::copy_options::recursive | fs::copy_options::copy_symlinks, error);
-    if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be kept: {}", entry->path().string(), error.message()));
+    if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be kept: {}", entry->path().string(), error.message()), "move it out of the case, or name another folder");
   }
 }
 
@@ -69,8 +70,8 @@ void require_writable_folders(const std::string& case_folder) {
   for (const char* name : {"", "/constant", "/0", "/system"}) {
     const std::string folder = case_folder + name;
     if (!fs::exists(folder, ignored)) continue;
-    if (!fs::is_directory(folder, ignored)) throw Error(ErrorCode::unwritable_output, folder + ": is no folder");
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) throw Error(ErrorCode::unwritable_output, folder + ": cannot be written into: " + std::strerror(errno));
+    if (!fs::is_directory(folder, ignored)) throw Error(ErrorCode::unwritable_output, folder + ": is no folder", "a case has a folder of that name: move the file, or name another folder");
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) throw Error(ErrorCode::unwritable_output, folder + ": cannot be written into: " + std::strerror(errno), write_hint(errno));
   }
 }
 

@@ -47,7 +47,7 @@ void unpack_as(bool is_swapped, const char* bytes, std::span<float> to) {
 class Inflater {
  public:
   Inflater(const Source& source, std::string_view stream) : source_(source), rest_(stream) {
-    if (::inflateInit2(&z_, 15 + 32) != Z_OK) throw Error(ErrorCode::memory_limit, "zlib: not enough memory to decompress");
+    if (::inflateInit2(&z_, 15 + 32) != Z_OK) throw Error(ErrorCode::memory_limit, "zlib: not enough memory to decompress", "free some memory, or crop the volume");
   }
   ~Inflater() { ::inflateEnd(&z_); }
   Inflater(const Inflater&) = delete;

@@ -89,7 +89,7 @@ class GzipStream {
   static Piece deflated(const char* bytes, std::size_t size, int flush) {
     Piece piece{{}, ::crc32(0, reinterpret_cast<const Bytef*>(bytes), static_cast<uInt>(size)), size};
     z_stream z{};
-    if (::deflateInit2(&z, kLevel, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw Error(ErrorCode::memory_limit, "zlib: not enough memory to compress a block");
+    if (::deflateInit2(&z, kLevel, Z_DEFLATED, -15, 8, Z_DEFAULT_STRATEGY) != Z_OK) throw Error(ErrorCode::memory_limit, "zlib: not enough memory to compress a block", "free some memory, or choose fewer --samples");
     piece.bytes.resize(::deflateBound(&z, static_cast<uLong>(size)) + 16);
     z.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes));
     z.avail_in = static_cast<uInt>(size);

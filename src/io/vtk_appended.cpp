@@ -11,6 +11,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "system_hint.h"
 
 namespace burnish {
 namespace {
@@ -23,7 +24,7 @@ std::vector<Bytef> compressed(const char* bytes, std::size_t size) {
   std::vector<Bytef> result(length);
   // Fails for lack of memory only, which the vector would have found.
   if (compress2(result.data(), &length, reinterpret_cast<const Bytef*>(bytes), static_cast<uLong>(size), kLevel) != Z_OK)
-    throw Error(ErrorCode::memory_limit, "zlib: not enough memory to compress a block");
+    throw Error(ErrorCode::memory_limit, "zlib: not enough memory to compress a block", "free some memory, or choose larger cells (--cell)");
   result.resize(length);
   return result;
 }
@@ -101,7 +102,7 @@ void VtkAppended::put_at(std::uint64_t position, const void* bytes, std::size_t 
   while (size > 0) {
     const ssize_t n = ::pwrite(fd_, from, size, static_cast<off_t>(position));
     if (n < 0 && errno == EINTR) continue;
-    if (n < 0) throw Error(ErrorCode::unwritable_output, label_ + ": cannot be written: " + std::strerror(errno));
+    if (n < 0) throw Error(ErrorCode::unwritable_output, label_ + ": cannot be written: " + std::strerror(errno), write_hint(errno));
     from += n;
     size -= static_cast<std::size_t>(n);
     position += static_cast<std::uint64_t>(n);

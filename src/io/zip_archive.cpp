@@ -10,6 +10,8 @@
 #include <new>
 #include <optional>
 
+#include "counts.h"
+
 namespace burnish {
 namespace {
 
@@ -192,8 +194,7 @@ void write_zip(FdWriter& out, const std::string& label, const std::vector<const 
   std::string directory;
   std::uint64_t at = 0;
   for (const ZipMember* m : members) {
-    if (std::max({m->size_, at + m->packed_.size() + kLocalSize + m->name_.size()}) >= kInExtra)
-      throw Error(ErrorCode::unwritable_output, label + ": the model takes 4 GiB of a ZIP archive or more", "write .ply or .stl");
+    require_zip_without_64(label, m->size_, at + m->packed_.size() + kLocalSize + m->name_.size());
     std::string common;  // of the local header and the directory
     for (const std::uint16_t v : {kVersion, kUtf8, kDeflated, std::uint16_t{0}, kDate}) append(common, v);
     append(common, m->crc_);

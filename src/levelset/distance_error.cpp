@@ -238,7 +238,7 @@ class DistanceError : public RefinementCriterion {
 
 std::unique_ptr<RefinementCriterion> distance_error(const TriangleSoup& lattice_soup, const ErrorOptions& options) {
   if (!(options.tolerance >= 0) || !(options.band >= 2))
-    throw Error(ErrorCode::usage, "the error criterion needs a tolerance of 0 or more and a band of at least 2 cells");
+    throw Error(ErrorCode::usage, "the error criterion needs a tolerance of 0 or more and a band of at least 2 cells", "those of ErrorOptions{} suit most surfaces");
   return std::make_unique<DistanceError>(lattice_soup, options);
 }
 

@@ -281,7 +281,7 @@ std::size_t border_voxels_inside(const VoxelSamples& samples, double iso, bool i
 double cell_of(const VoxelSamples& samples) { return std::min({samples.spacing.x, samples.spacing.y, samples.spacing.z}); }
 
 ValueRange value_range(const VoxelSamples& samples) {
-  if (samples.values.empty()) throw Error(ErrorCode::unreadable_input, "the volume has no values");
+  if (samples.values.empty()) throw Error(ErrorCode::unreadable_input, "the volume has no values", "it takes one for each node");
   const std::span<const float> values = samples.values;
   struct Found {
     ValueRange range{std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};

@@ -4,7 +4,6 @@
 #include <array>
 #include <utility>
 
-#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/core/union_find.h"
 
@@ -134,8 +133,7 @@ Pieces find_pieces(const SurfaceOctree& grid, const Field<std::uint8_t>& crossed
       kGrain);
   std::uint64_t total = 0;
   for (const std::uint32_t n : pieces.first) total += n;
-  if (total > 0xffffffffu)
-    throw Error(ErrorCode::memory_limit, "the surface cuts the lattice into more than 2^32 pieces", "choose a larger --cell");
+  require_pieces(total);
   exclusive_scan_in_place(pieces.first);
   number_regions(grid, crossed, pieces, progress);
   return pieces;

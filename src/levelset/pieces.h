@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "burnish/core/error.h"
 #include "burnish/core/progress.h"
 #include "burnish/octree/field.h"
 #include "burnish/octree/grow.h"
@@ -21,6 +22,11 @@ struct Pieces {
   std::uint32_t of(std::size_t leaf, std::size_t node) const { return first[leaf] + label.block(leaf)[node]; }
   std::uint32_t count(std::size_t leaf) const { return first[leaf + 1] - first[leaf]; }
 };
+
+// Throws Error{memory_limit} unless 32 bits number them.
+inline void require_pieces(std::uint64_t pieces) {
+  if (pieces > 0xffffffffu) throw Error(ErrorCode::memory_limit, "the surface cuts the lattice into more than 2^32 pieces", "choose a larger --cell");
+}
 
 // Nodes are connected by the lattice edges that no facet crosses, within leaves and between them. Same result for any number
 // of threads.

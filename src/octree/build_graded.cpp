@@ -4,9 +4,9 @@
 #include <cassert>
 #include <utility>
 
-#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "burnish/octree/octree.h"
+#include "counts.h"
 
 namespace burnish {
 namespace {
@@ -96,9 +96,7 @@ Octree Octree::build_graded(int depth, std::vector<std::uint64_t> keys) {
   if (refined.back().empty()) tree.keys_.push_back(morton::key(0, depth));
   for (int l = 0; l < depth; ++l)
     add_leaves(refined[static_cast<std::size_t>(l) + 1], refined[static_cast<std::size_t>(l)], l, tree.keys_);
-  if (tree.keys_.size() >= kNone)
-    throw Error(ErrorCode::memory_limit, "the octree would have more than 2^32 - 2 blocks",
-                "choose a larger --cell or a smaller --resolution");
+  require_blocks(tree.keys_.size());
   parallel_sort(tree.keys_);
   tree.link();
   return tree;

@@ -341,10 +341,10 @@ void CleanRun::extract(const BuiltLevelSet& built) {
 }
 
 std::vector<FarSample> CleanRun::measure_deviation(const TriangleIndex& result_index, const CompareOptions& options) {
-  report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_));
+  report_.deviation.output_to_input = one_sided_distance(result_, TriangleIndex(input_), {}, nullptr, progress_);
   progress_.check();
   std::vector<FarSample> far;
-  report_.deviation.input_to_output = one_sided_distance(input_, result_index, options, &far);
+  report_.deviation.input_to_output = one_sided_distance(input_, result_index, options, &far, progress_);
   return far;
 }
 
@@ -453,6 +453,7 @@ void CleanRun::validate_result() {
   if (result_.facets.empty()) return;
   begin("validating");
   report_.surface.shapes = facet_shapes(result_);
+  progress_.check();
   if (!report_.failure) compare_topology();
 }
 
@@ -467,7 +468,7 @@ void CleanRun::compare_topology() {
   report_.failure = Error(ErrorCode::guarantee_unmet,
                           fmt::format("the result has {} components and genus {}; the level set has {} and {}", told.components, told.genus.value_or(-1),
                                       *told.wanted_components, *told.wanted_genus),
-                          "try --surface tetrahedra, or another --cell; --allow-invalid writes the result as it is");
+                          "try --surface tetrahedra, another --cell, or .ply (double precision); --allow-invalid writes the result as it is");
 }
 
 }  // namespace burnish

@@ -54,6 +54,12 @@ TriangleSoup rounded_to_float32(TriangleSoup soup) {
   return soup;
 }
 
+// Of a soup that is to be rounded, by the numbers of its own facets.
+std::vector<std::uint32_t> broken_once_rounded(TriangleSoup soup, Progress& progress) {
+  const TriangleSoup rounded = weld(rounded_to_float32(std::move(soup)));
+  return broken_facets(rounded, inspect(rounded, {}, progress));
+}
+
 }  // namespace
 
 CleanedOutput::CleanedOutput(const std::string& destination, bool overwrite) : destination_(destination) {
@@ -99,10 +105,11 @@ Inspection CleanedOutput::write_verified(SurfaceMaker& maker, const GridFrame& f
     const bool unfinished = model.facets.size() == facets;
     if (model.facets.empty()) return {};
     write_and_read_back(model);
-    model = {};
+    const bool keeps_numbers = result_.facets.size() == facets;  // a 3MF drops facets that rounding takes the area of
+    if (keeps_numbers) model = {};
     Inspection inspection = inspect(result_, {}, progress);
     if (inspection.defects.valid_solid() || round == kMendingRounds || !unfinished) return inspection;
-    if (!maker.mend(broken_facets(result_, inspection))) return inspection;
+    if (!maker.mend(keeps_numbers ? broken_facets(result_, inspection) : broken_once_rounded(std::move(model), progress))) return inspection;
   }
 }
 

@@ -162,8 +162,11 @@ Error reason_of_failure(const FlowMeshResult& result) {
   for (const MeshCheck& check : result.quality.checks)
     if (counts(check, result.flavour)) failing += (failing.empty() ? "" : "; ") + text_of(check, result.bad_places);
   const bool conforming = result.flavour == MeshFlavour::conforming;
+  // So small, or so large, that no double holds it.
+  const bool vanishes = !std::isnormal(result.quality.volume);
   return {ErrorCode::guarantee_unmet, fmt::format("the mesh does not pass {} ({})", conforming ? "checkMesh -allTopology -allGeometry" : "checkMesh", failing),
-          fmt::format("try a somewhat different --cell, such as {:.4g}; --allow-invalid writes the mesh as it is, and --report lists all places", 0.93 * result.cell)};
+          vanishes ? "choose a --scale nearer to 1: volumes like these are no numbers"
+                   : fmt::format("try a somewhat different --cell, such as {:.4g}; --allow-invalid writes the mesh as it is, and --report lists all places", 0.93 * result.cell)};
 }
 
 }  // namespace burnish

@@ -94,7 +94,7 @@ std::string deflated_base64(const Bytes& bytes) {
   Bytes result(length);
   // Fails for lack of memory only, which the vector would have found.
   if (compress2(result.data(), &length, bytes.data(), static_cast<uLong>(bytes.size()), kLevel) != Z_OK)
-    throw Error(ErrorCode::memory_limit, "zlib: not enough memory to compress a mesh");
+    throw Error(ErrorCode::memory_limit, "zlib: not enough memory to compress a mesh", "free some memory, or leave --html out");
   result.resize(length);
   return base64(result);
 }

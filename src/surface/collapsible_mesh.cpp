@@ -11,7 +11,7 @@ void require_manifold(const TriangleSoup& soup, const EdgeTable& table) {
   bool fine = non_manifold_points(soup).empty();
   for (const Facet& f : soup.facets) fine = fine && !repeats_point(f);
   for (std::size_t e = 0; fine && e < table.size(); ++e) fine = !table.is_non_manifold(e) && !table.is_misoriented(e);
-  if (!fine) throw Error(ErrorCode::guarantee_unmet, "the surface to simplify is no consistently oriented 2-manifold");
+  if (!fine) throw Error(ErrorCode::guarantee_unmet, "the surface to simplify is no consistently oriented 2-manifold", "repair it first, as clean() does");
 }
 
 }  // namespace

@@ -84,9 +84,12 @@ class Samples {
 
 // The distances of points 0 ... samples - 1, squared.
 template <class Point>
-std::vector<double> squared_distances(std::size_t samples, const TriangleIndex& to, Point&& point) {
+std::vector<double> squared_distances(std::size_t samples, const TriangleIndex& to, Point&& point, const Progress& progress) {
   std::vector<double> squared(samples);
-  parallel_for(samples, [&](std::size_t i) { squared[i] = to.closest(point(i)).squared_distance; }, kGrain);
+  parallel_for(samples, [&](std::size_t i) {
+    if (i % kGrain == 0) progress.check();
+    squared[i] = to.closest(point(i)).squared_distance;
+  }, kGrain);
   return squared;
 }
 
@@ -156,11 +159,11 @@ std::vector<std::uint32_t> facets_at_points(const TriangleSoup& soup) {
 }  // namespace
 
 OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to, const CompareOptions& options,
-                                    std::vector<FarSample>* far) {
+                                    std::vector<FarSample>* far, const Progress& progress) {
   if (from.facets.empty() || to.facet_count() == 0) return {};
   const Samples samples(from, options);
-  const std::vector<double> by_area = squared_distances(samples.by_area(), to, [&](std::size_t i) { return samples.on_facet(i); });
-  const std::vector<double> by_vertex = squared_distances(samples.by_vertex(), to, [&](std::size_t i) { return samples.at_vertex(i); });
+  const std::vector<double> by_area = squared_distances(samples.by_area(), to, [&](std::size_t i) { return samples.on_facet(i); }, progress);
+  const std::vector<double> by_vertex = squared_distances(samples.by_vertex(), to, [&](std::size_t i) { return samples.at_vertex(i); }, progress);
 
   if (far) {
     const double limit = options.far_beyond * options.far_beyond;

@@ -15,8 +15,8 @@ enum Stream : std::uint64_t { kNoise = 1, kHoles = 2 };
 
 void check(const ExampleOptions& options) {
   if (!(options.noise >= 0) || !std::isfinite(options.noise))
-    throw Error(ErrorCode::usage, "noise of an example must be a finite number, 0 or more");
-  if (options.holes < 0) throw Error(ErrorCode::usage, "number of holes of an example must be 0 or more");
+    throw Error(ErrorCode::usage, "noise of an example must be a finite number, 0 or more", "0.3 is that of a scan");
+  if (options.holes < 0) throw Error(ErrorCode::usage, "number of holes of an example must be 0 or more", "0 leaves the shape closed");
 }
 
 TriangleSoup clean_shape(ExampleShape shape) {
@@ -26,7 +26,7 @@ TriangleSoup clean_shape(ExampleShape shape) {
     case ExampleShape::knot: return example::make_knot();
     case ExampleShape::nozzle: return example::make_nozzle();
   }
-  throw Error(ErrorCode::bug, "no such example shape");
+  throw Error(ErrorCode::usage, "no such example shape", "sphere, vase, knot and nozzle are the shapes");
 }
 
 }  // namespace

@@ -103,6 +103,7 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
   Inspection result;
   Defects& defects = result.defects;
   measure(welded, defects);
+  progress.check();
   const std::vector<FacetKind> kinds = facet_kinds(welded);
   const auto count_kind = [&](FacetKind kind) {
     return static_cast<std::size_t>(std::count(kinds.begin(), kinds.end(), kind));
@@ -117,9 +118,11 @@ Inspection inspect(const TriangleSoup& welded, const InspectOptions& options, Pr
 
   {
     const EdgeTable edges(welded);
+    progress.check();
     count_edges(edges, defects);
     defects.components = count_components(welded, edges);
     defects.open_loops = count_open_loops(welded, edges);
+    progress.check();
     std::vector<std::uint32_t> points = points_with_several_fans(welded, edges);
     defects.non_manifold_points = points.size();
     if (options.elements) {

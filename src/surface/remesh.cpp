@@ -96,7 +96,7 @@ class ShellRemesher {
     for (std::size_t f = 0; f < given_.facets.size(); ++f) {
       const Facet& c = given_.facets[f];
       const Mesh::Face_index face = mesh.add_face(Vertex(c[0]), Vertex(c[1]), Vertex(c[2]));
-      if (face == Mesh::null_face()) throw Error(ErrorCode::guarantee_unmet, "the surface to remesh is no consistently oriented 2-manifold");
+      if (face == Mesh::null_face()) throw Error(ErrorCode::guarantee_unmet, "the surface to remesh is no consistently oriented 2-manifold", "repair it first, as clean() does");
       if (!held_[f]) faces.push_back(face);
     }
     return faces;
@@ -148,7 +148,7 @@ std::vector<TriangleSoup> shells_of(const TriangleSoup& soup) {
     const std::uint32_t shell = found.of_facet[f];
     for (const std::uint32_t p : soup.facets[f]) {
       if (shell_of[p] == shell) continue;
-      if (shell_of[p] != kNone) throw Error(ErrorCode::guarantee_unmet, "the surface to remesh is no 2-manifold: shells share a point");
+      if (shell_of[p] != kNone) throw Error(ErrorCode::guarantee_unmet, "the surface to remesh is no 2-manifold: shells share a point", "give each shell points of its own");
       shell_of[p] = shell;
       number[p] = static_cast<std::uint32_t>(shells[shell].points.size());
       shells[shell].points.push_back(soup.points[p]);
@@ -227,7 +227,7 @@ class Remesher {
 }  // namespace
 
 RemeshedSurface remesh(const TriangleSoup& manifold, const RemeshOptions& options, Progress& progress) {
-  if (!(options.edge > 0) || !std::isfinite(options.edge)) throw Error(ErrorCode::usage, "the edge length to remesh to is not positive");
+  if (!(options.edge > 0) || !std::isfinite(options.edge)) throw Error(ErrorCode::usage, "the edge length to remesh to is not positive", "give a length in the units of the points");
   progress.begin_stage("remeshing");
   return Remesher(manifold, options, progress).run();
 }

@@ -20,7 +20,7 @@ constexpr float kCloser = 0.7F;             // and multiplies the share of the d
 constexpr float kLeastShare = 0.4F;         // of the deviation; below that clusters get smaller as well
 
 void require_sense(const SimplifyOptions& options) {
-  if (options.deviation && !(*options.deviation >= 0)) throw Error(ErrorCode::usage, "the deviation to simplify within is negative or no number");
+  if (options.deviation && !(*options.deviation >= 0)) throw Error(ErrorCode::usage, "the deviation to simplify within is negative or no number", "leave it out, or give 0 or more, in the model's units");
 }
 
 class Simplifier {

@@ -135,7 +135,7 @@ class Assembly {
     for (std::size_t i = 0; i < here.size();) {
       std::size_t j = i + 1;
       while (j < here.size() && here[j].first == here[i].first) ++j;
-      if (j - i > 2) throw Error(ErrorCode::bug, "a face of the volume mesh has more than two cells");
+      if (j - i > 2) throw Error(ErrorCode::bug, "a face of the volume mesh has more than two cells", "this is a bug of Burnish: please report it with the command and the input file");
       if (j - i == 2) {
         HalfFace &a = half_[here[i].second], &b = half_[here[i + 1].second];
         a.other = b.cell, b.other = a.cell;

@@ -8,6 +8,7 @@
 
 #include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
+#include "numbering.h"
 
 namespace burnish {
 namespace {
@@ -227,7 +228,7 @@ void CellLattice::number_nodes() {
     if (keys_.empty() || keys_.back() != n.first) keys_.push_back(n.first);
     corners_[n.second] = static_cast<std::uint32_t>(keys_.size() - 1);
   }
-  if (keys_.size() + tree_.size() >= kNoNode) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^32 nodes", "choose a larger --cell, or larger cells in boxes");
+  require_nodes(keys_.size() + tree_.size());
 }
 
 void CellLattice::mark_splits() {

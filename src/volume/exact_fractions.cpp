@@ -216,7 +216,7 @@ class ExactFractions {
 
 VolumeFractions exact_volume_fractions(const PolyhedralMesh& mesh, const CellGeometry& geometry, const CellFaces& faces,
                                        const TriangleSoup& solid, Progress& progress) {
-  if (!is_closed_chain(solid)) throw Error(ErrorCode::usage, "volume fractions need a closed surface, and this one is open");
+  if (!is_closed_chain(solid)) throw Error(ErrorCode::usage, "volume fractions need a closed surface, and this one is open", "close it first, as clean() does");
   return ExactFractions(mesh, geometry, faces, solid).run(progress);
 }
 

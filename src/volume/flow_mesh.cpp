@@ -4,11 +4,13 @@
 
 #include <algorithm>
 #include <array>
+#include <cassert>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <memory>
 #include <optional>
+#include <stdexcept>
 #include <utility>
 
 #include "assemble.h"
@@ -32,7 +34,6 @@ constexpr double kBand = 5;          // lattice units: the half diagonal of a ce
 constexpr double kDomainMargin = 4;  // between the band and the walls
 constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
 constexpr int kMostRefined = 5;      // levels below the cells at the surface
-constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kRoundingOfRoom = 1e-9;  // of it
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease
@@ -312,7 +313,7 @@ class FlowMesher {
   std::uint32_t nearest_facet(std::size_t face) const {
     // However far: points that were moved back, and large cells where the surface is flat, may be cells off it.
     const ReferenceSurface::Foot foot = reference_->closest(face_middle(result_.mesh.mesh, face), std::numeric_limits<double>::infinity(), {});
-    if (!foot.found()) throw Error(ErrorCode::bug, "a face of the volume mesh has no nearest facet");
+    assert(foot.found());
     return foot.facet;
   }
 
@@ -323,7 +324,7 @@ class FlowMesher {
       if (m[a] == stretch_.lattice.lower[a]) return static_cast<std::uint32_t>(2 * a);
       if (m[a] == stretch_.lattice.upper[a]) return static_cast<std::uint32_t>(2 * a + 1);
     }
-    throw Error(ErrorCode::bug, "a face of the volume mesh is neither on the surface nor on a side of the domain");
+    throw std::logic_error("a face of the volume mesh is neither on the surface nor on a side of the domain");
   }
 
   // Sides of the domain to the bit.

@@ -16,4 +16,9 @@ inline void require_numbers(std::uint64_t count, std::string_view things) {
     throw Error(ErrorCode::memory_limit, fmt::format("the mesh would have {} {}, and 32 bits number {}", count, things, 0xffffffffu), "choose a larger --cell, or larger cells in boxes");
 }
 
+// The same of the nodes of a lattice, whose last number stands for none.
+inline void require_nodes(std::uint64_t nodes) {
+  if (nodes >= 0xffffffffu) throw Error(ErrorCode::memory_limit, "the mesh would have more than 2^32 nodes", "choose a larger --cell, or larger cells in boxes");
+}
+
 }  // namespace burnish

@@ -1,9 +1,9 @@
 #include "stuffing.h"
 
 #include <algorithm>
+#include <cassert>
 #include <cmath>
 
-#include "burnish/core/error.h"
 #include "burnish/core/parallel.h"
 #include "numbering.h"
 
@@ -319,9 +319,8 @@ class Stuffing {
 
   void emit_end(std::size_t cell, int f) {
     const FacePolygon p = lattice_.polygon(cell, f);
-    for (int i = 0; i < p.size; ++i)
-      if (nodes_.sign(p.node[static_cast<std::size_t>(i)]) <= 0 || nodes_.sign(lattice_.centre(cell)) <= 0)
-        throw Error(ErrorCode::guarantee_unmet, "the surface reaches the end of the domain", "choose a larger --domain");
+    // FlowMesher leaves room between the surface and the domain's sides.
+    assert(nodes_.sign(lattice_.centre(cell)) > 0 && std::all_of(p.node.begin(), p.node.begin() + p.size, [&](std::uint32_t n) { return nodes_.sign(n) > 0; }));
     if (p.is_quad() || polyhedral_) return emit_pyramid(p, true, lattice_.centre(cell), result_.cells);
     Vec3 middle;
     for (const int c : kFaceCorners[static_cast<std::size_t>(f)]) middle += result_.points[lattice_.corner(cell, c)] * 0.25;

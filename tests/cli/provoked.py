@@ -1,11 +1,13 @@
 """A message of docs/errors.md and the command that provokes it, and the damaged files that it takes."""
 import base64
+import gzip
 import re
 import shlex
 import struct
 import subprocess
 from dataclasses import dataclass, field
 
+import faults
 import models
 import runner
 from ic_scenarios import HEADER, write_case
@@ -43,6 +45,12 @@ def edited(text, edits):
     return text.encode("latin-1")
 
 
+def packed(path):
+    """Puts a gzip file of it in its place."""
+    path.with_name(path.name + ".gz").write_bytes(gzip.compress(path.read_bytes()))
+    path.unlink()
+
+
 @dataclass
 class Provoked:
     """This message of the catalogue, by this command in a folder with these files; `mesh`: edits of the files of an OpenFOAM case."""
@@ -54,6 +62,8 @@ class Provoked:
     before: object = None  # a function of the sandbox
     stdin: bytes = b""
     in_shell: bool = False  # for what only redirections and limits provoke: a line of the shell, in which burnish is the program under test
+    fault: tuple = ()       # a function that fails, and for reading which files (faults.environment)
+    library: str = ""       # that the build may be without: then its absence is told instead
 
     def run(self, program):
         with runner.Sandbox(program) as box:
@@ -67,12 +77,13 @@ class Provoked:
                     path.write_bytes(edited(path.read_text(), [(old, new)]) if old else new if isinstance(new, bytes) else new.encode())
             if self.before:
                 self.before(box)
-            result = self.through_shell(box) if self.in_shell else box.run(shlex.split(self.command), self.stdin)
+            result = self.through_shell(box) if self.in_shell else box.run(shlex.split(self.command), self.stdin, faults.environment(*self.fault) if self.fault else None)
         text = result.messages()
+        if self.library and f"made without {self.library}" in text:
+            return self.code, self.message
         runner.expect(result.code == self.code, f"{self.command}: exit code {result.code}, expected {self.code}: {self.message}\n{text}")
         runner.expect(regex_of(self.message).search(text), f"{self.command}: expected the message\n  {self.message}\nfound\n{text}")
         return result.code, text
-
 
     def through_shell(self, box):
         text = self.command.replace("burnish", shlex.quote(box.program), 1)

@@ -156,3 +156,23 @@ def the_same_bytes_on_any_number_of_threads(box):
         for threads in (1, 2):
             box.succeed(["cube.stl", "-o", f"{surface}{threads}.stl", "--surface", surface, "--threads", str(threads), "-q", *CELLS])
         expect(box.read(f"{surface}1.stl") == box.read(f"{surface}2.stl"), f"{surface}: other bytes on another number of threads")
+
+
+SPECKS = [  # cubes: side, and lower corner
+    (0.05, -0.225, 0.778, -0.605), (0.05, 0.595, 2.395, -1.922), (0.03, 1.685, 2.705, 0.705), (0.05, -0.205, 2.678, 1.595),
+    (0.1, -1.55, -1.93, 0.65), (0.1, -1.45, 2.85, 1.35), (0.05, 0.678, 1.875, 1.095), (0.05, -0.605, -0.425, 2.378), (0.05, -0.225, 2.675, 1.475),
+    (0.05, -1.205, 0.078, 2.478), (0.03, -1.595, -1.615, 1.205), (0.1, -0.747, -1.347, 2.37), (0.03, 0.185, -0.612, -1.595),
+    (0.05, 2.595, 1.975, -1.905), (0.1, 2.153, 0.45, -0.13), (0.15, -0.855, 1.828, -1.555), (0.15, 1.145, -1.455, -0.155),
+    (0.03, 2.085, -0.112, -0.212), (0.15, -1.455, -0.872, 0.145), (0.1, 1.25, -0.23, 0.97), (0.03, -1.912, 1.185, 0.785),
+    (0.03, 1.988, -1.315, -0.095), (0.05, -1.622, 2.175, -1.325)
+]
+
+
+@scenario("surface")
+def facets_that_a_3mf_drops_do_not_keep_it_from_being_mended(box):
+    """Where float32 has steps of 0.04 cells, facets lose their area. An STL has them still, a 3MF does not: by its numbers of facets others would be mended."""
+    far = 38000
+    cubes = [tuple(tuple(side * c + o + far for c, o in zip(p, corner)) for p in f) for side, *corner in SPECKS for f in models.cube()]
+    box.write("specks.obj", models.write_obj(cubes))
+    box.succeed(["specks.obj", "-o", "x.3mf", "--method", "levelset", "--cell", "0.1", "--surface", "tetrahedra", "-q"])
+    box.succeed(["check", "x.3mf", "-q"])

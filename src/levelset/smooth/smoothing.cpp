@@ -45,12 +45,15 @@ class Smoothing {
 
   SmoothingResult run() {
     result_.volume_before = enclosed_volume(set_);
+    progress_.check();
     const FlowPlan plan = flow_plan(options_.mode, options_.length, options_.target_rms ? kStepsToTarget : 1);
     if (options_.mode == FlowMode::reinit)
       redistance_excessively(plan);
     else if (plan.steps > 0)
       flow(plan);
+    progress_.check();
     result_.volume_after = enclosed_volume(set_);
+    progress_.check();
     if (options_.keep_volume)
       result_.volume_after = shift_to_volume(set_, result_.volume_before, volume_shift(), progress_);
     result_.rms_moved = rms_moved(set_.phi);
