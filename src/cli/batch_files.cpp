@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <filesystem>
 #include <map>
 #include <system_error>
+#include <utility>
 
 #include "burnish/core/error.h"
 #include "commands.h"
@@ -76,43 +78,33 @@ std::string file_for_all(const std::string& given, const std::string& name) {
   return ((hole == given.npos ? fs::path(given) / "" : fs::path(given.substr(0, hole)).parent_path()) / name).string();
 }
 
-std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options, const std::vector<OtherFile>& others) {
+PlacedFiles::PlacedFiles(const std::vector<std::string>& inputs, std::vector<PlacedOption> options, const std::vector<OtherFile>& others)
+    : options_(std::move(options)), files_(options_.size()) {
+  const bool several = inputs.size() > 1;
   Claims claims;
   for (const std::string& input : inputs) claims.claim_input(input);
-  std::vector<std::vector<std::string>> files;
-  for (const PlacedOption& option : options) {
-    std::vector<std::string>& own = files.emplace_back();
+  for (std::size_t o = 0; o < options_.size(); ++o) {
+    const PlacedOption& option = options_[o];
+    is_place_.push_back(is_place(*option.path));
     if (option.path->empty()) continue;
-    require_place(option);
+    if (several) require_place(option);
     for (const std::string& input : inputs) {
-      own.push_back(file_for(*option.path, input, option.suffix));
-      claims.claim(own.back(), option.option, input);
+      files_[o].push_back(file_for(*option.path, input, option.suffix));
+      if (several) claims.claim(files_[o].back(), option.option, input);
     }
   }
   for (const OtherFile& other : others) claims.claim(other.file, other.option, other.content);
-  return files;
 }
 
-void place_files_of(const std::string& input, const std::vector<PlacedOption>& options) {
-  for (const PlacedOption& option : options) *option.path = file_for(*option.path, input, option.suffix);
+void PlacedFiles::take(std::size_t input) const {
+  for (std::size_t o = 0; o < options_.size(); ++o)
+    if (!files_[o].empty()) *options_[o].path = files_[o][input];
 }
 
-MadeFolders::~MadeFolders() {
-  std::error_code ignored;
-  for (auto folder = made_.rbegin(); folder != made_.rend(); ++folder) fs::remove(*folder, ignored);
-}
-
-void MadeFolders::make_for(const std::string& file) {
-  if (!file.empty()) make(fs::absolute(file).lexically_normal().parent_path());
-}
-
-// Outermost first.
-void MadeFolders::make(const fs::path& folder) {
-  std::error_code error;
-  if (fs::is_directory(folder, error) || folder.parent_path() == folder) return;
-  make(folder.parent_path());
-  if (fs::create_directory(folder, error)) made_.push_back(folder);
-  if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: the folder cannot be made: {}", folder.string(), error.message()), "name another folder");
+void PlacedFiles::make_folders() {
+  for (std::size_t o = 0; o < options_.size(); ++o)
+    if (is_place_[o])
+      for (const std::string& file : files_[o]) folders_.make_for(file);
 }
 
 }  // namespace burnish

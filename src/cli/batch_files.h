@@ -6,10 +6,11 @@
 //   out.stl               out.stl: for one input only
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "made_folders.h"
 
 namespace burnish {
 
@@ -37,28 +38,25 @@ struct OtherFile {
   std::string content;      // what it holds, for messages: "the summary"
 };
 
-// The files of all inputs: [option][input], nothing for an option that was not given.
-// Throws Error{usage}, before anything is done: an option names one file for several inputs; two files have one name, `others` among them; a file would replace an input.
-std::vector<std::vector<std::string>> files_for(const std::vector<std::string>& inputs, const std::vector<PlacedOption>& options, const std::vector<OtherFile>& others = {});
-
-// For one input: each option gets its file.
-void place_files_of(const std::string& input, const std::vector<PlacedOption>& options);
-
-// Folders made for files; those that stay empty are removed in the end.
-class MadeFolders {
+// The files of all inputs, and the folders of those that were given as places.
+class PlacedFiles {
  public:
-  MadeFolders() = default;
-  ~MadeFolders();
-  MadeFolders(const MadeFolders&) = delete;
-  MadeFolders& operator=(const MadeFolders&) = delete;
+  // Throws Error{usage}, before anything is done: standard input is to have a name; and of several inputs: an option names one file for all of them; two files have one
+  // name, `others` among them; a file would replace an input. For one input, whoever runs it has to look.
+  PlacedFiles(const std::vector<std::string>& inputs, std::vector<PlacedOption> options, const std::vector<OtherFile>& others = {});
 
-  // The folder that `file` is to be in. Throws Error{unwritable_output}.
-  void make_for(const std::string& file);
+  // Gives each option its file for that input.
+  void take(std::size_t input) const;
+  // Makes the folders; those that stay empty are removed in the end. Throws Error{unwritable_output}.
+  void make_folders();
+  // Those of an option, input by input; none if it was not given.
+  const std::vector<std::string>& of_option(std::size_t option) const { return files_[option]; }
 
  private:
-  void make(const std::filesystem::path& folder);
-
-  std::vector<std::filesystem::path> made_;
+  std::vector<PlacedOption> options_;
+  std::vector<bool> is_place_;                   // by option
+  std::vector<std::vector<std::string>> files_;  // [option][input]
+  MadeFolders folders_;
 };
 
 }  // namespace burnish

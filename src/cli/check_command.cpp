@@ -52,19 +52,15 @@ class CheckCommand : public Command {
     job_.thickness |= job_.min_thickness || !job_.thickness_output.empty();
     if (job_.overwrite && job_.defects_output.empty() && job_.thickness_output.empty())
       Console(verbosity()).warn("--overwrite", {"has no effect without --output-defects or --output-thickness"});
-    return inputs_.size() == 1 ? run_one() : run_several();
+    PlacedFiles files(inputs_, {{"--output-defects", &job_.defects_output, ".vtp"}, {"--output-thickness", &job_.thickness_output, ".vtp"}});
+    const auto take = [&](std::size_t run) { job_.input = inputs_[run], files.take(run); };
+    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
+    files.make_folders();
+    return inputs_.size() == 1 ? run_one() : run_several(take);
   }
 
  private:
   int run_one() {
-    const std::vector<PlacedOption> placed = placed_options();
-    MadeFolders folders;
-    const std::string defects = job_.defects_output, thickness = job_.thickness_output;
-    job_.input = inputs_.front();
-    place_files_of(job_.input, placed);
-    require_consistent();
-    if (is_place(defects)) folders.make_for(job_.defects_output);
-    if (is_place(thickness)) folders.make_for(job_.thickness_output);
     return check_one(verbosity(), {threads_, 1}, [this](const CheckResult& result) {
       if (json_)
         write_stdout(to_json(result));
@@ -73,18 +69,7 @@ class CheckCommand : public Command {
     });
   }
 
-  int run_several() {
-    const std::vector<PlacedOption> placed = placed_options();
-    const std::vector<std::vector<std::string>> files = files_for(inputs_, placed);
-    const auto take = [&](std::size_t run) {
-      job_.input = inputs_[run];
-      for (std::size_t o = 0; o < placed.size(); ++o)
-        if (!files[o].empty()) *placed[o].path = files[o][run];
-    };
-    MadeFolders folders;
-    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
-    for (const std::vector<std::string>& own : files)
-      for (const std::string& file : own) folders.make_for(file);
+  int run_several(const std::function<void(std::size_t run)>& take) {
     return run_batch({.command = "check",
                       .inputs = inputs_,
                       .outputs = {},
@@ -105,9 +90,6 @@ class CheckCommand : public Command {
   }
 
   Verbosity verbosity() const { return quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal; }
-
-  // Options that name a file for each input; for several, a folder or a pattern.
-  std::vector<PlacedOption> placed_options() { return {{"--output-defects", &job_.defects_output, ".vtp"}, {"--output-thickness", &job_.thickness_output, ".vtp"}}; }
 
   int check_one(Verbosity verbosity, const Share& share, const std::function<void(const CheckResult&)>& tell) {
     require_plausible_input(job_.input);
@@ -146,7 +128,7 @@ class CheckCommand : public Command {
   void require_consistent() const {
     require_no_input("--output-defects", job_.defects_output, "the defects are no replacement for the model: give another name");
     require_no_input("--output-thickness", job_.thickness_output, "the thickness is no replacement for the model: give another name");
-    if (!job_.defects_output.empty() && !job_.thickness_output.empty() && same_file(job_.defects_output, job_.thickness_output))
+    if (named_twice({{"--output-defects", job_.defects_output}, {"--output-thickness", job_.thickness_output}}))
       throw Error(ErrorCode::usage, fmt::format("{}: both --output-defects and --output-thickness", job_.defects_output), "give one of them another name");
   }
 

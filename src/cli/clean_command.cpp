@@ -61,44 +61,32 @@ class CleanCommand : public Command {
   }
 
   int run() override {
-    return inputs_.size() == 1 ? run_one() : run_several();
-  }
-
- private:
-  int run_one() {
-    const std::vector<PlacedOption> placed = placed_options();
-    MadeFolders folders;
-    const std::string output = job_.output, report = report_path_, page = html_path_;
-    job_.input = inputs_.front();
-    place_files_of(job_.input, placed);
-    require_consistent();
-    if (is_place(output)) folders.make_for(job_.output);
-    if (is_place(report)) folders.make_for(report_path_);
-    if (is_place(page)) folders.make_for(html_path_);
+    const bool several = inputs_.size() > 1;
+    if (several) require_place();
+    const std::string snapshots = snapshots_, summary = several ? file_for_all(report_path_, "summary.json") : "";
+    PlacedFiles files(inputs_, {{"-o", &job_.output, ""}, {"--report", &report_path_, ".json"}, {"--html", &html_path_, ".html"}}, several ? other_files(summary) : std::vector<OtherFile>{});
+    const auto take = [&](std::size_t run) {
+      job_.input = inputs_[run];
+      files.take(run);
+      if (several && !snapshots.empty()) snapshots_ = snapshot_folder(snapshots, job_.input);
+    };
+    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
+    files.make_folders();
     warn_of_idle_options();
+    if (several) return run_several(take, files.of_option(0), summary);
     return clean_one(verbosity(), {threads_, 1}, [this](const RepairReport& r, double seconds) { print(r, seconds); });
   }
 
-  int run_several() {
+ private:
+  void require_place() const {
     if (job_.output.empty())
       throw Error(ErrorCode::usage, fmt::format("unexpected argument '{}'", inputs_[1]), fmt::format("the output is named with -o: -o {}; several inputs need a folder for theirs: -o out/", inputs_[1]));
-    const std::vector<PlacedOption> placed = placed_options();
-    const std::string snapshots = snapshots_, summary = file_for_all(report_path_, "summary.json");
-    const std::vector<std::vector<std::string>> files = files_for(inputs_, placed, other_files(summary));
-    const auto take = [&](std::size_t run) {
-      job_.input = inputs_[run];
-      for (std::size_t o = 0; o < placed.size(); ++o)
-        if (!files[o].empty()) *placed[o].path = files[o][run];
-      if (!snapshots.empty()) snapshots_ = snapshot_folder(snapshots, job_.input);
-    };
-    MadeFolders folders;
-    for (std::size_t run = 0; run < inputs_.size(); ++run) take(run), require_consistent();
-    for (const std::vector<std::string>& own : files)
-      for (const std::string& file : own) folders.make_for(file);
-    warn_of_idle_options();
+  }
+
+  int run_several(const std::function<void(std::size_t run)>& take, const std::vector<std::string>& outputs, const std::string& summary) {
     return run_batch({.command = "clean",
                       .inputs = inputs_,
-                      .outputs = files.front(),
+                      .outputs = outputs,
                       .summary = summary,
                       .overwrite = job_.overwrite,
                       .jobs = jobs_,
@@ -116,9 +104,6 @@ class CleanCommand : public Command {
   }
 
   Verbosity verbosity() const { return quiet_ ? Verbosity::quiet : verbose_ ? Verbosity::verbose : Verbosity::normal; }
-
-  // Options that name a file for each input; for several, a folder or a pattern. The output is the first.
-  std::vector<PlacedOption> placed_options() { return {{"-o", &job_.output, ""}, {"--report", &report_path_, ".json"}, {"--html", &html_path_, ".html"}}; }
 
   // What several inputs are written to besides those.
   std::vector<OtherFile> other_files(const std::string& summary) const {
@@ -226,15 +211,12 @@ class CleanCommand : public Command {
 
   // Only the result may replace the input.
   void require_distinct_files() const {
-    std::vector<std::pair<std::string_view, std::string>> files;
+    std::vector<NamedFile> files;
     if (!snapshots_.empty())
-      for (const int percent : kSnapshotPercents) files.emplace_back("--snapshots", snapshot_file(snapshots_, job_.output, percent));
-    for (const auto& [name, path] : {std::pair{"--html", html_path_}, {"--report", report_path_}, {"-o", job_.output}, {"the input", job_.input}})
-      if (!path.empty() && path != "-") files.emplace_back(name, path);
-    for (std::size_t a = 0; a < files.size(); ++a)
-      for (std::size_t b = a + 1; b < files.size(); ++b)
-        if (files[a].first != "-o" && same_file(files[a].second, files[b].second))
-          throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", files[a].second, files[a].first, files[b].first), "give one of them another name");
+      for (const int percent : kSnapshotPercents) files.push_back({"--snapshots", snapshot_file(snapshots_, job_.output, percent)});
+    files.insert(files.end(), {{"--html", html_path_}, {"--report", report_path_}, {"-o", job_.output}, {"the input", job_.input}});
+    if (const auto two = named_twice(files); two && two->front().by != "-o")
+      throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", two->front().path, two->front().by, two->back().by), "give one of them another name");
   }
 
   static std::string snapshot_file(const std::string& folder, const std::string& output, int percent) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <iterator>
 
 #include "burnish/core/error.h"
 #include "config.h"
@@ -70,5 +71,13 @@ std::string resolved_path(const std::string& path) {
 }
 
 bool same_file(const std::string& a, const std::string& b) { return resolved_path(a) == resolved_path(b); }
+
+std::optional<std::array<NamedFile, 2>> named_twice(const std::vector<NamedFile>& files) {
+  const auto is_file = [](const NamedFile& f) { return !f.path.empty() && f.path != "-"; };
+  for (auto one = files.begin(); one != files.end(); ++one)
+    for (auto other = std::next(one); other != files.end(); ++other)
+      if (is_file(*one) && is_file(*other) && same_file(one->path, other->path)) return {{*one, *other}};
+  return {};
+}
 
 }  // namespace burnish

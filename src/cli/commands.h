@@ -1,6 +1,7 @@
 // The commands of the program, one source each.
 #pragma once
 
+#include <array>
 #include <memory>
 #include <optional>
 #include <string>
@@ -48,5 +49,13 @@ void require_plausible_input(const std::string& path);
 std::string resolved_path(const std::string& path);
 // Whether two paths name the same file, through whatever links.
 bool same_file(const std::string& a, const std::string& b);
+
+// A file, and the option or the operand that names it.
+struct NamedFile {
+  std::string_view by;
+  std::string path;  // empty: none is named
+};
+// The first two that name the same file, in their order, if there are. Standard streams, "-", are no files.
+std::optional<std::array<NamedFile, 2>> named_twice(const std::vector<NamedFile>& files);
 
 }  // namespace burnish

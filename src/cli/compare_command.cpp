@@ -126,14 +126,8 @@ class CompareCommand : public Command {
     for (const auto& [option, output] : {std::pair{"--output", job_.output}, std::pair{"--map", truth_.map}})
       if (!output.empty()) static_cast<void>(marked_format_for_writing(output)), require_no_input(option, output);
     if (!job_.aligned.empty()) static_cast<void>(format_for_writing(job_.aligned)), require_no_input("--aligned", job_.aligned);
-    require_different("--output", job_.output, "--map", truth_.map);
-    require_different("--output", job_.output, "--aligned", job_.aligned);
-    require_different("--aligned", job_.aligned, "--map", truth_.map);
-  }
-
-  static void require_different(std::string_view one, const std::string& first, std::string_view other, const std::string& second) {
-    if (!first.empty() && !second.empty() && same_file(first, second))
-      throw Error(ErrorCode::usage, fmt::format("{}: both {} and {}", first, one, other), "give one of them another name");
+    if (const auto two = named_twice({{"--output", job_.output}, {"--aligned", job_.aligned}, {"--map", truth_.map}}))
+      throw Error(ErrorCode::usage, fmt::format("{}: both {} and {}", two->front().path, two->front().by, two->back().by), "give one of them another name");
   }
 
   void require_one_standard_input() const {

@@ -14,6 +14,7 @@
 #include "clean_options.h"
 #include "commands.h"
 #include "console.h"
+#include "made_folders.h"
 #include "mesh_summary.h"
 #include "outcome.h"
 #include "report_file.h"
@@ -66,7 +67,9 @@ class MeshCommand : public Command {
     require_plausible_input(job_.input);
     const ThreadLimit limit(threads_);
     const double start = monotonic_seconds();
-    const FolderForReports folder(is_case() ? job_.output : "", {report_path_, quality_path_});
+    MadeFolders folders;
+    if (is_case())  // it may not be there yet, and its reports are made before it
+      for (const std::string& report : {report_path_, quality_path_}) folders.make_for(report, job_.output);
     ReportFile report_file(report_path_, job_.write.overwrite), quality_file(quality_path_, job_.write.overwrite);
     Console console(quiet_ ? Verbosity::quiet : Verbosity::normal);
     for (const std::string& option : idle_options(job_.options)) console.warn(option, {"has no effect without --smooth"});
@@ -251,13 +254,11 @@ class MeshCommand : public Command {
   }
 
   void require_distinct_files() const {
-    const std::pair<std::string_view, std::string> files[] = {{"IN", job_.input}, {"-o", job_.output}, {"--report", report_path_}, {"--quality", quality_path_}};
-    for (const auto* file = std::begin(files); file != std::end(files); ++file) {
-      if (file->first.starts_with("--") && file->second == "-") throw Error(ErrorCode::usage, fmt::format("{} needs a file's name", file->first), "--json prints the report");
-      for (const auto* other = std::begin(files); other != file; ++other)
-        if (!file->second.empty() && !other->second.empty() && same_file(file->second, other->second))
-          throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", file->second, other->first, file->first), "give another name to one of them");
-    }
+    const std::vector<NamedFile> reports{{"--report", report_path_}, {"--quality", quality_path_}};
+    for (const NamedFile& report : reports)
+      if (report.path == "-") throw Error(ErrorCode::usage, fmt::format("{} needs a file's name", report.by), "--json prints the report");
+    if (const auto two = named_twice({{"IN", job_.input}, {"-o", job_.output}, reports[0], reports[1]}))
+      throw Error(ErrorCode::usage, fmt::format("{}: {} and {} name the same file", two->back().path, two->front().by, two->back().by), "give another name to one of them");
   }
 
   FlowMeshJob job_;

@@ -61,7 +61,9 @@ function fillFigures(report) {
     td.append(make('small', share(length)));
     return td;
   };
-  const row = (label, d) => [label, ...['max', 'mean', 'rms'].map(key => d ? cell(d[key]) : '-')];
+  // No facet of the one is missing in the other: nothing was measured, and nothing has to be.
+  const same = report.output && report.output.verified ? '0' : '-';
+  const row = (label, d) => [label, ...['max', 'mean', 'rms'].map(key => d ? cell(d[key]) : same)];
   const {input_to_output: there, output_to_input: back} = report.deviation;
   fillTable(element('distances'), ['distance' + unitText(report), 'max', 'mean', 'rms'], [row('input \u2192 output', there), row('output \u2192 input', back)]);
   element('method').className = 'prose';

@@ -127,6 +127,11 @@ OutputFile::~OutputFile() {
   release_slot(slot_);
 }
 
+std::uint64_t OutputFile::bytes() const {
+  struct stat status {};
+  return ::fstat(fd_, &status) == 0 ? static_cast<std::uint64_t>(status.st_size) : 0;
+}
+
 void OutputFile::truncate() {
   if (::ftruncate(fd_, 0) != 0 || ::lseek(fd_, 0, SEEK_SET) != 0) fail_errno(destination_, errno);
 }

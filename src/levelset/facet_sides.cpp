@@ -5,17 +5,9 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/surface/edge_table.h"
+#include "burnish/surface/facet_normals.h"
 
 namespace burnish::detail {
-namespace {
-
-Vec3 unit_normal(const TriangleSoup& soup, std::size_t f) {
-  const Vec3 n = facet_normal_2a(soup, f);
-  const double length = norm(n);
-  return length > 0 ? n / length : Vec3{};
-}
-
-}  // namespace
 
 PseudoNormals::PseudoNormals(const TriangleSoup& soup)
     : soup_(soup), of_points_(soup.points.size()), across_(soup.facets.size(), {kNoFacet, kNoFacet, kNoFacet}) {

@@ -62,17 +62,16 @@ void read_report(const Json& told, BatchFile& file) {
 }
 
 Json json_of(const BatchFile& f, bool with_results) {
-  const auto number = [](const auto& value) { return value ? Json(*value) : Json(); };
   Json json = {
       {"input", f.input},
       {"output", f.output.empty() ? Json() : Json(f.output)},
       {"exit_code", f.exit_code},
       {"verdict", f.verdict},
-      {"facets", number(f.facets)},
-      {"open_edges_before", number(f.open_edges)},
-      {"self_intersections_before", number(f.self_intersections)},
-      {"volume", number(f.volume)},
-      {"max_deviation", number(f.max_deviation)},
+      {"facets", or_null(f.facets)},
+      {"open_edges_before", or_null(f.open_edges)},
+      {"self_intersections_before", or_null(f.self_intersections)},
+      {"volume", or_null(f.volume)},
+      {"max_deviation", or_null(f.max_deviation)},
       {"units", json_of(f.unit)},
       {"seconds", f.seconds},
       {"failure", failure_of(f.failure)},

@@ -6,11 +6,6 @@
 namespace burnish {
 namespace {
 
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
 Json levels_of(const CellOctreeResult& r) {
   Json levels = Json::array();
   for (std::size_t l = 0; l < r.statistics.levels.size(); ++l) {

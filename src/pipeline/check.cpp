@@ -3,52 +3,18 @@
 #include <optional>
 #include <utility>
 
-#include "burnish/io/marked_cells.h"
 #include "burnish/io/mesh_io.h"
-#include "burnish/io/output_file.h"
-#include "burnish/io/point_data.h"
 #include "burnish/surface/weld.h"
 #include "defect_cells.h"
 #include "read_input.h"
+#include "viewer_file.h"
 
 namespace burnish {
 namespace {
 
-// Created before the work: a file that cannot be written is to be known before it, not after.
-class DefectsOutput {
- public:
-  DefectsOutput(const std::string& path, bool overwrite)
-      : format_(marked_format_for_writing(path)), file_(path, overwrite) {}
-
-  void write(const MarkedCells& cells) {
-    write_marked_cells(file_.fd(), file_.destination(), cells, format_);
-    file_.commit();
-  }
-
- private:
-  MarkedFormat format_;
-  OutputFile file_;
-};
-
-class ThicknessOutput {
- public:
-  ThicknessOutput(const std::string& path, bool overwrite) : format_(marked_format_for_writing(path)), file_(path, overwrite) {}
-
-  void write(const TriangleSoup& soup, Progress& progress) {
-    progress.begin_stage("colouring");
-    const PointData data{soup, {PointArray{"thickness", thickness_at_points(soup, progress)}}, {"thickness in model units"}};
-    write_point_data(file_.fd(), file_.destination(), data, format_);
-    file_.commit();
-  }
-
- private:
-  MarkedFormat format_;
-  OutputFile file_;
-};
-
 constexpr std::size_t kThicknessSamples = 40'000;  // besides one a facet
 
-void measure_thickness(const CheckJob& job, const TriangleSoup& soup, ThicknessOutput* output, CheckResult& result, Progress& progress) {
+void measure_thickness(const CheckJob& job, const TriangleSoup& soup, ViewerFile* output, CheckResult& result, Progress& progress) {
   if (!result.valid_solid) {
     result.warnings.push_back("no thickness: that is one of a valid solid; clean it first, by 'burnish IN -o OUT'");
     return;
@@ -56,7 +22,9 @@ void measure_thickness(const CheckJob& job, const TriangleSoup& soup, ThicknessO
   progress.begin_stage("measuring thickness");
   const double limit = job.min_thickness ? job.min_thickness->in_model_units(result.defects.box.diagonal(), 0) : 0;
   result.thickness = summary_of(soup, thickness_samples(soup, kThicknessSamples, progress), limit);
-  if (output) output->write(soup, progress);
+  if (!output) return;
+  progress.begin_stage("colouring");
+  output->write(PointData{soup, {PointArray{"thickness", thickness_at_points(soup, progress)}}, {"thickness in model units"}});
 }
 
 TriangleSoup read_welded(const CheckJob& job, CheckResult& result, Progress& progress) {
@@ -94,9 +62,8 @@ Found look_at(const TriangleSoup& welded, CheckResult& result, Progress& progres
 CheckResult check(const CheckJob& job, Progress& progress) {
   CheckResult result;
   result.input = job.input;
-  std::optional<DefectsOutput> output;
+  std::optional<ViewerFile> output, thickness_output;
   if (!job.defects_output.empty()) output.emplace(job.defects_output, job.overwrite);
-  std::optional<ThicknessOutput> thickness_output;
   if (!job.thickness_output.empty()) thickness_output.emplace(job.thickness_output, job.overwrite);
   const TriangleSoup soup = read_welded(job, result, progress);
   progress.check();

@@ -42,7 +42,7 @@ class CleanRun : private SolidRun {
   // What `clean` would write, from an output that keeps it: take_named_result, or where there is nothing to name the points in the order of the file.
   TriangleSoup take_written();
   // What was read, and what take_result gives. To be called after `run`, or after `open` has failed.
-  CleanSurfaces take_surfaces() { return {std::move(input_), std::move(result_)}; }
+  CleanSurfaces take_surfaces() { return {std::move(input_), std::move(result_), std::move(inspection_.self_intersections)}; }
   // To be called last.
   RepairReport take_report();
 

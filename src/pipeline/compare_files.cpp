@@ -7,38 +7,25 @@
 #include <utility>
 
 #include "burnish/io/output_file.h"
-#include "burnish/io/point_data.h"
 #include "compare_truth.h"
 #include "compared_side.h"
+#include "viewer_file.h"
 
 namespace burnish {
 namespace {
 
 constexpr std::size_t kPointsPerPart = std::size_t{1} << 18;
 
-// Created before the work: a file that cannot be written is to be known before it, not after.
-class DeviationOutput {
- public:
-  DeviationOutput(const std::string& path, bool overwrite) : format_(marked_format_for_writing(path)), file_(path, overwrite) {}
-
-  void write(const ComparedSide& a, const ComparedSide& b, Progress& progress) {
-    QueryCounter counter(progress, "colouring", a.soup.points.size());
-    PointArray deviation{"deviation", signed_deviation(a.soup.points, b.soup, *b.index, b.query(counter), b.rule)};
-    PointArray distance{"distance", deviation.values};
-    for (double& d : distance.values) d = std::abs(d);
-    const bool closed = b.rule == SideRule::winding_number;
-    const PointData data{a.soup,
-                         {std::move(deviation), std::move(distance)},
-                         {fmt::format("deviation in model units, positive outside, by {}",
-                                      closed ? "the winding number" : "the side of the closest facet")}};
-    write_point_data(file_.fd(), file_.destination(), data, format_);
-    file_.commit();
-  }
-
- private:
-  MarkedFormat format_;
-  OutputFile file_;
-};
+PointData deviation_of(const ComparedSide& a, const ComparedSide& b, Progress& progress) {
+  QueryCounter counter(progress, "colouring", a.soup.points.size());
+  PointArray deviation{"deviation", signed_deviation(a.soup.points, b.soup, *b.index, b.query(counter), b.rule)};
+  PointArray distance{"distance", deviation.values};
+  for (double& d : distance.values) d = std::abs(d);
+  const bool closed = b.rule == SideRule::winding_number;
+  return {a.soup,
+          {std::move(deviation), std::move(distance)},
+          {fmt::format("deviation in model units, positive outside, by {}", closed ? "the winding number" : "the side of the closest facet")}};
+}
 
 // A at its new place. Named by what it is written from, with the unit that this had.
 class AlignedOutput {
@@ -129,12 +116,11 @@ std::vector<double> signed_distances(TriangleSoup surface, const std::vector<Vec
 }
 
 CompareResult compare_files(const CompareJob& job, Progress& progress) {
-  std::optional<DeviationOutput> output;
+  std::optional<ViewerFile> output, map;
   if (!job.output.empty()) output.emplace(job.output, job.overwrite);
   std::optional<AlignedOutput> aligned;
   if (!job.aligned.empty()) aligned.emplace(job.aligned, job.overwrite);
-  std::optional<ErrorMap> map;
-  if (job.truth && !job.truth->map.empty()) map.emplace(job.truth->map, job.overwrite);
+  if (job.truth && !job.truth->map.empty()) map.emplace(checked_map(job.truth->map), job.overwrite);
   ComparedSide a(job.a, job.salvage, progress), b(job.b, job.salvage, progress);
   std::optional<Registration> alignment;
   if (job.align) alignment = align(a, b, progress);
@@ -142,7 +128,7 @@ CompareResult compare_files(const CompareJob& job, Progress& progress) {
   CompareResult result = measure(job, a, b, progress);
   result.alignment = std::move(alignment);
   if (output) {
-    output->write(a, b, progress);
+    output->write(deviation_of(a, b, progress));
     result.sign = b.rule;
   }
   if (job.truth) result.truth = compare_with_truth(job, a, b, map ? &*map : nullptr, progress);

@@ -21,7 +21,7 @@ Json json_of(const ComparedFile& f) {
       {"points", m.points},
       {"components", m.components},
       {"open_edges", m.open_edges},
-      {"volume", f.volume ? Json(*f.volume) : Json()},
+      {"volume", or_null(f.volume)},
       {"no_volume_reason", f.no_volume_reason},
       {"area", m.area},
       {"box", json_of(m.box)},
@@ -77,8 +77,6 @@ Json name_of(const std::optional<SideRule>& rule) {
   return *rule == SideRule::winding_number ? "winding_number" : "closest_facet";
 }
 
-Json json_of(const std::optional<double>& value) { return value ? Json(*value) : Json(); }
-
 Json json_of(const TwoWayError& e, double mean_edge) {
   if (e.empty()) return nullptr;
   const auto in_edges = [&](double rms) { return mean_edge > 0 ? Json(rms / mean_edge) : Json(); };
@@ -102,13 +100,13 @@ Json json_of(const TruthFigures& f, double mean_edge) {
       {"all", json_of(f.error.all, mean_edge)},
       {"near_creases", json_of(f.error.near_creases, mean_edge)},
       {"elsewhere", json_of(f.error.elsewhere, mean_edge)},
-      {"volume_percent", json_of(f.volume_percent)},
+      {"volume_percent", or_null(f.volume_percent)},
   };
 }
 
 Json json_of(const std::optional<InputFigures>& input) {
   if (!input) return nullptr;
-  return {{"file", json_of(input->file)}, {"volume_percent", json_of(input->volume_percent)}};
+  return {{"file", json_of(input->file)}, {"volume_percent", or_null(input->volume_percent)}};
 }
 
 Json json_of(const std::optional<FloorFigures>& floor, double mean_edge) {
@@ -168,7 +166,7 @@ std::string to_json(const CompareResult& r) {
       {"b_to_a", json_of(r.b_to_a, r.diagonal)},
       {"max", r.max()},
       {"max_percent", r.diagonal > 0 ? Json(100 * r.max() / r.diagonal) : Json()},
-      {"limit", r.limit ? Json(*r.limit) : Json()},
+      {"limit", or_null(r.limit)},
       {"within_limit", r.limit ? Json(r.within_limit()) : Json()},
       {"deviation_sign", name_of(r.sign)},
       {"truth", json_of(r.truth)},

@@ -1,7 +1,5 @@
 #include "compare_truth.h"
 
-#include "burnish/io/point_data.h"
-
 namespace burnish {
 namespace {
 
@@ -9,13 +7,6 @@ namespace {
 std::optional<double> percent_more(const ComparedFile& v, const ComparedFile& reference) {
   if (!v.volume || !reference.volume || *reference.volume == 0) return {};
   return 100 * (*v.volume / *reference.volume - 1);
-}
-
-const std::string& checked_map(const std::string& path) {
-  if (marked_format_for_writing(path) != MarkedFormat::vtp)
-    throw Error(ErrorCode::usage, fmt::format("{}: a map has numbers at its facets, which this format cannot hold", path),
-                "use .vtp (ParaView, scripts/render)");
-  return path;
 }
 
 // What all surfaces that are compared with one truth share.
@@ -45,20 +36,22 @@ class TruthMeasure {
   TruthErrorOptions options_;
 };
 
-}  // namespace
-
-ErrorMap::ErrorMap(const std::string& path, bool overwrite) : file_(checked_map(path), overwrite) {}
-
-void ErrorMap::write(const ComparedSide& result, const ComparedSide& truth, Progress& progress) {
+PointData errors_of(const ComparedSide& result, const ComparedSide& truth, Progress& progress) {
   QueryCounter counter(progress, "mapping", result.soup.facets.size());
   FacetErrors errors = facet_errors(result.soup, truth.soup, truth.query(counter));
-  const PointData data{.surface = result.soup,
-                       .facet_arrays = {{"angle_error", std::move(errors.angle)}, {"distance_error", std::move(errors.distance)}}};
-  write_point_data(file_.fd(), file_.destination(), data, MarkedFormat::vtp);
-  file_.commit();
+  return {.surface = result.soup, .facet_arrays = {{"angle_error", std::move(errors.angle)}, {"distance_error", std::move(errors.distance)}}};
 }
 
-TruthComparison compare_with_truth(const CompareJob& job, const ComparedSide& result, const ComparedSide& truth, ErrorMap* map,
+}  // namespace
+
+const std::string& checked_map(const std::string& path) {
+  if (marked_format_for_writing(path) != MarkedFormat::vtp)
+    throw Error(ErrorCode::usage, fmt::format("{}: a map has numbers at its facets, which this format cannot hold", path),
+                "use .vtp (ParaView, scripts/render)");
+  return path;
+}
+
+TruthComparison compare_with_truth(const CompareJob& job, const ComparedSide& result, const ComparedSide& truth, ViewerFile* map,
                                    Progress& progress) {
   TruthComparison found;
   const TruthMeasure measure(job, truth, result.file.measures.box.diagonal(), found, progress);
@@ -72,7 +65,7 @@ TruthComparison compare_with_truth(const CompareJob& job, const ComparedSide& re
     floor.make_ready(job.exact);
     found.floor = {floor.file, measure.of(floor, "comparing the floor")};
   }
-  if (map) map->write(result, truth, progress);
+  if (map) map->write(errors_of(result, truth, progress));
   return found;
 }
 

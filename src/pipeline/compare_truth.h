@@ -3,25 +3,17 @@
 
 #include <string>
 
-#include "burnish/io/output_file.h"
 #include "burnish/pipeline/compare_files.h"
 #include "compared_side.h"
+#include "viewer_file.h"
 
 namespace burnish {
 
-// A surface with its facets' errors, for a viewer. Created before the work: a file that cannot be written is to be known before it.
-// Throws Error{usage} for a path that does not end in .vtp.
-class ErrorMap {
- public:
-  ErrorMap(const std::string& path, bool overwrite);
-  void write(const ComparedSide& result, const ComparedSide& truth, Progress& progress);
-
- private:
-  OutputFile file_;
-};
+// The path of a map, a surface with its facets' errors. Throws Error{usage} for one that does not end in .vtp.
+const std::string& checked_map(const std::string& path);
 
 // Compares `result` with `truth`, both ready, as job.truth says, and writes the map if there is one. Reads the floor and the input.
-TruthComparison compare_with_truth(const CompareJob& job, const ComparedSide& result, const ComparedSide& truth, ErrorMap* map,
+TruthComparison compare_with_truth(const CompareJob& job, const ComparedSide& result, const ComparedSide& truth, ViewerFile* map,
                                    Progress& progress);
 
 }  // namespace burnish

@@ -1,7 +1,6 @@
 #include "burnish/pipeline/curvature.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +10,6 @@
 
 #include "burnish/core/parallel.h"
 #include "burnish/extract/marching_tetrahedra.h"
-#include "burnish/io/output_file.h"
-#include "burnish/io/point_data.h"
 #include "burnish/levelset/redistance.h"
 #include "burnish/levelset/smooth/smoothing.h"
 #include "burnish/surface/compare.h"
@@ -24,6 +21,7 @@
 #include "prepare_input.h"
 #include "resolve_options.h"
 #include "solid_run.h"
+#include "viewer_file.h"
 
 namespace burnish {
 namespace {
@@ -79,9 +77,8 @@ class CurvatureRun : SolidRun {
     result_.order = job.order, result_.at = job.at, result_.method = job.method;
     result_.output.file = job.output;
     if (job.output.empty()) return;
-    format_ = marked_format_for_writing(job.output);
-    result_.output.format = format_ == MarkedFormat::vtp ? ".vtp" : ".ply";
     file_.emplace(job.output, job.overwrite);
+    result_.output.format = file_->format() == MarkedFormat::vtp ? ".vtp" : ".ply";
   }
 
   CurvatureResult run() {
@@ -271,7 +268,7 @@ class CurvatureRun : SolidRun {
   std::vector<PointArray> arrays() const {
     const double h = report_.options.cell;
     std::vector<PointArray> arrays;
-    arrays.push_back(array_of(format_ == MarkedFormat::ply ? "quality" : "mean_curvature", 1, [h](const FrontCurvature& c, int) { return c.mean() / h; }));
+    arrays.push_back(array_of(file_->format() == MarkedFormat::ply ? "quality" : "mean_curvature", 1, [h](const FrontCurvature& c, int) { return c.mean() / h; }));
     if (job_.method == CurvatureMethod::front) {
       arrays.push_back(array_of("gaussian_curvature", 1, [h](const FrontCurvature& c, int) { return c.gaussian() / (h * h); }));
       arrays.push_back(array_of("k1", 1, [h](const FrontCurvature& c, int) { return c.k1 / h; }));
@@ -292,10 +289,7 @@ class CurvatureRun : SolidRun {
     PointData data{surface_, arrays(), {"quality is the mean curvature in 1 / model unit, positive where the solid is convex; converged 0: there is none"}};
     // A few extremes at edges would leave no colour for the rest.
     data.color_range = std::max(std::abs(mean.percentiles.front()), std::abs(mean.percentiles.back()));
-    write_point_data(file_->fd(), file_->destination(), data, format_);
-    struct stat status {};
-    if (::fstat(file_->fd(), &status) == 0) result_.output.bytes = static_cast<std::uint64_t>(status.st_size);
-    file_->commit();
+    result_.output.bytes = file_->write(data);
     result_.output.written = true;
   }
 
@@ -314,8 +308,7 @@ class CurvatureRun : SolidRun {
   }
 
   const CurvatureJob& job_;
-  MarkedFormat format_ = MarkedFormat::vtp;
-  std::optional<OutputFile> file_;
+  std::optional<ViewerFile> file_;
   CurvatureResult result_;
   BuiltLevelSet built_;
   double reach_ = 0;           // cells from the smoothed surface to where phi is still a distance

@@ -8,11 +8,6 @@ namespace {
 
 using burnish::json_of;
 
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
 Json json_of(const CurvatureSpread& s) {
   Json json = {{"min", s.min}, {"max", s.max}, {"mean", s.mean}};
   for (std::size_t i = 0; i < kCurvaturePercentiles.size(); ++i) json[fmt::format("p{}", kCurvaturePercentiles[i])] = s.percentiles[i];

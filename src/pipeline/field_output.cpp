@@ -1,7 +1,6 @@
 #include "field_output.h"
 
 #include <fmt/format.h>
-#include <sys/stat.h>
 
 #include <algorithm>
 #include <cmath>
@@ -142,8 +141,7 @@ std::string FieldOutput::stage(std::size_t count, const char* what) {
 }
 
 void FieldOutput::commit() {
-  struct stat status {};
-  if (::fstat(file_->fd(), &status) == 0) told_.bytes = static_cast<std::uint64_t>(status.st_size);
+  told_.bytes = file_->bytes();
   file_->commit();
   told_.written = true;
 }

@@ -19,7 +19,6 @@ namespace {
 constexpr double kSmallestGuess = 1.0 / 16;  // of the first guess at a cell, before it is given up
 constexpr double kRepairCell = 0.5;       // of a level set, in cells of the mesh
 constexpr double kCellsAcross = 4;        // of a wall's thickness, that a mesh shows well
-constexpr double kLeastRoom = 4;          // cells between the model and a side of the domain
 constexpr double kWithinRoom = 1 - 1e-9;  // against rounding
 constexpr double kBytesPerCell = 1000;    // of a mesh while it is made
 constexpr double kGigabyte = 0x1p30;

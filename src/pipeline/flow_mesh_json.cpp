@@ -8,13 +8,13 @@ using burnish::json_of;
 
 constexpr const char* kShapeNames[kCellShapes] = {"tetrahedra", "pyramids", "wedges", "hexahedra", "polyhedra"};
 
-Json or_null(const MeshCheck& check, double value) { return check.measured > 0 ? Json(value) : Json(); }
+Json if_measured(const MeshCheck& check, double value) { return check.measured > 0 ? Json(value) : Json(); }
 
 Json checks_of(const MeshQuality& q) {
   Json list = Json::array();
   for (const MeshCheck& c : q.checks)
-    list.push_back({{"name", c.name}, {"all_geometry", c.all_geometry}, {"warns", c.warns}, {"limit", c.limit}, {"worst", or_null(c, c.worst)}, {"best", or_null(c, c.best)},
-                    {"mean", or_null(c, c.mean)}, {"measured", c.measured}, {"failing", c.failing}, {"passed", c.passed}});
+    list.push_back({{"name", c.name}, {"all_geometry", c.all_geometry}, {"warns", c.warns}, {"limit", c.limit}, {"worst", if_measured(c, c.worst)}, {"best", if_measured(c, c.best)},
+                    {"mean", if_measured(c, c.mean)}, {"measured", c.measured}, {"failing", c.failing}, {"passed", c.passed}});
   return list;
 }
 
@@ -83,7 +83,7 @@ Json mesh_of(const FlowMeshResult& r) {
           {"cell", r.cell},
           {"cell_was_chosen", r.cell_was_chosen},
           {"cells_along_longest_side", r.cells_along_longest_side},
-          {"cells_wanted", r.cells_wanted ? Json(*r.cells_wanted) : Json()},
+          {"cells_wanted", or_null(r.cells_wanted)},
           {"trials", trials_of(r.trials)},
           {"cells", q.cells},
           {"points", q.points},

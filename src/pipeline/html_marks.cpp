@@ -4,6 +4,7 @@
 #include <span>
 
 #include "burnish/pipeline/html_report.h"
+#include "burnish/surface/facet_normals.h"
 
 namespace burnish {
 namespace {
@@ -29,13 +30,6 @@ std::span<const std::uint32_t> facets_of(const HtmlMarks& marks, DefectKind kind
   if (kind == DefectKind::duplicate_facet) return e.duplicate_facets;
   if (kind == DefectKind::self_intersection) return marks.map.intersecting_facets;
   return {};
-}
-
-Vec3 unit_normal(const TriangleSoup& soup, std::uint32_t facet) {
-  if (facet >= soup.facets.size()) return {};
-  const Vec3 normal = facet_normal_2a(soup, facet);
-  const double length = norm(normal);
-  return length > 0 ? normal / length : Vec3{};
 }
 
 // Of each listed defect the mean of its facets' normals: where to look from. That of one facet if they cancel each other, or if it has but one.
@@ -83,11 +77,12 @@ std::vector<Vec3> corners_of(const TriangleSoup& soup, std::span<const std::uint
 
 }  // namespace
 
-HtmlMarks find_marks(const TriangleSoup& welded, const Defects& counted, Progress& progress) {
+HtmlMarks find_marks(const TriangleSoup& welded, const Defects& counted, const std::vector<std::array<std::uint32_t, 2>>& intersecting, Progress& progress) {
   HtmlMarks marks;
   if (welded.facets.empty() || !has_defects(counted)) return marks;
   QuietProgress quiet(progress);
-  marks.inspection = inspect(welded, {.self_intersections = counted.self_intersecting_pairs > 0, .elements = true}, quiet);
+  marks.inspection = inspect(welded, {.self_intersections = intersecting.empty() && counted.self_intersecting_pairs > 0, .elements = true}, quiet);
+  if (!intersecting.empty()) marks.inspection.self_intersections = intersecting;
   marks.map = locate_defects(welded, marks.inspection);
   return marks;
 }

@@ -1,6 +1,8 @@
 // Where a surface is broken, for an HTML page: what is drawn over it, and what is listed.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <vector>
 
 #include "burnish/core/progress.h"
@@ -16,8 +18,9 @@ struct HtmlMarks {
   DefectMap map;
 };
 
-// Nothing where `counted`, the counts of the same surface, are all zero. Self-intersections are looked for only if some were counted.
-HtmlMarks find_marks(const TriangleSoup& welded, const Defects& counted, Progress& progress);
+// Nothing where `counted`, the counts of the same surface, are all zero. Self-intersections are `intersecting`, an inspection's; they are looked for if that is empty
+// and some were counted.
+HtmlMarks find_marks(const TriangleSoup& welded, const Defects& counted, const std::vector<std::array<std::uint32_t, 2>>& intersecting, Progress& progress);
 
 // Of each point whether something broken uses it: open and other defective edges, facets that intersect. Empty if nothing does.
 std::vector<bool> marked_points(const TriangleSoup& welded, const HtmlMarks& marks);

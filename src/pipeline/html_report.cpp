@@ -36,8 +36,8 @@ Json json_of_mesh(const TriangleSoup& drawn, std::size_t facets, const Quantisat
           {"indices", deflated_base64(packed_indices(drawn.facets))}};
 }
 
-Side draw(const TriangleSoup& soup, const Defects& counted, Progress& progress) {
-  HtmlMarks marks = find_marks(soup, counted, progress);
+Side draw(const TriangleSoup& soup, const Defects& counted, const std::vector<std::array<std::uint32_t, 2>>& intersecting, Progress& progress) {
+  HtmlMarks marks = find_marks(soup, counted, intersecting, progress);
   progress.check();
   Side side;
   side.drawn = ordered_by_first_use(reduced_for_drawing(soup, kMostDrawnFacets, marked_points(soup, marks)));
@@ -114,7 +114,7 @@ Json deviation_of(const TriangleSoup& drawn, const TriangleSoup& before, const s
 }
 
 Json drawing_of(const RepairReport& report, const CleanSurfaces& surfaces, Progress& progress) {
-  const Side before = draw(surfaces.before, report.before, progress), after = draw(surfaces.after, report.after, progress);
+  const Side before = draw(surfaces.before, report.before, surfaces.intersecting_before, progress), after = draw(surfaces.after, report.after, {}, progress);
   progress.check();
   return {{"before", before.json}, {"after", after.json}, {"deviation", deviation_of(after.drawn, surfaces.before, before.open_edges)}};
 }

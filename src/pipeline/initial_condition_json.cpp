@@ -6,11 +6,6 @@ namespace {
 
 using burnish::json_of;
 
-template <class T>
-Json or_null(const std::optional<T>& value) {
-  return value ? Json(*value) : Json();
-}
-
 Json mesh_of(const CaseMesh& m) {
   Json patches = Json::array();
   for (const CaseMesh::Patch& p : m.patches) patches.push_back({{"name", p.name}, {"type", p.type}, {"faces", p.faces}});

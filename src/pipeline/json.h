@@ -25,6 +25,9 @@ inline std::string text_of(const Json& json) {
 
 inline Json generator() { return "burnish " + std::string(build_info().version); }
 
+template <class T>
+Json or_null(const std::optional<T>& value) { return value ? Json(*value) : Json(); }
+
 inline Json json_of(const Vec3& v) { return {v.x, v.y, v.z}; }
 
 inline Json json_of(const Box3& box) {

@@ -14,9 +14,6 @@ namespace {
 
 using burnish::json_of;
 
-template <class T>
-Json json_of(const std::optional<T>& value) { return value ? Json(*value) : Json(); }
-
 Json json_of(const Defects& d) {
   return {
       {"valid_solid", d.valid_solid()},
@@ -47,21 +44,21 @@ Json json_of(const ResolvedOptions& o) {
       {"smooth", o.smooth},
       {"smooth_auto", o.smooth_auto},
       {"keep_volume", o.keep_volume},
-      {"crease_angle", json_of(o.crease_angle)},
-      {"curvature_radius", json_of(o.curvature_radius)},
-      {"offset", json_of(o.offset)},
-      {"hollow", json_of(o.hollow)},
-      {"deviation", json_of(o.deviation)},
+      {"crease_angle", or_null(o.crease_angle)},
+      {"curvature_radius", or_null(o.curvature_radius)},
+      {"offset", or_null(o.offset)},
+      {"hollow", or_null(o.hollow)},
+      {"deviation", or_null(o.deviation)},
       {"surface", name(o.surface)},
-      {"edge", json_of(o.edge)},
-      {"edge_tolerance", json_of(o.edge_tolerance)},
-      {"min_angle", json_of(o.min_angle)},
-      {"facets", json_of(o.facets)},
-      {"simplify", json_of(o.simplify)},
-      {"gap", json_of(o.gap)},
-      {"max_hole", json_of(o.max_hole)},
-      {"thicken", json_of(o.thicken)},
-      {"adapt", json_of(o.adapt)},
+      {"edge", or_null(o.edge)},
+      {"edge_tolerance", or_null(o.edge_tolerance)},
+      {"min_angle", or_null(o.min_angle)},
+      {"facets", or_null(o.facets)},
+      {"simplify", or_null(o.simplify)},
+      {"gap", or_null(o.gap)},
+      {"max_hole", or_null(o.max_hole)},
+      {"thicken", or_null(o.thicken)},
+      {"adapt", or_null(o.adapt)},
       {"coarsest_level", o.coarsest_level},
       {"memory_bytes", o.memory_bytes},
   };
@@ -171,9 +168,9 @@ Json json_of(const TopologySummary& t) {
   return {
       {"components", t.components},
       {"cavities", t.cavities},
-      {"genus", json_of(t.genus)},
-      {"level_set_components", json_of(t.wanted_components)},
-      {"level_set_genus", json_of(t.wanted_genus)},
+      {"genus", or_null(t.genus)},
+      {"level_set_components", or_null(t.wanted_components)},
+      {"level_set_genus", or_null(t.wanted_genus)},
       {"agrees", t.wanted_components ? Json(t.agrees()) : Json()},
   };
 }
@@ -343,7 +340,7 @@ std::string to_json(const FieldResult& r) {
     output = {{"file", o.file},       {"format", o.format},        {"cells", name(o.cells)},          {"written", o.written},
               {"cell_count", o.cell_count}, {"point_count", o.point_count}, {"octant_count", o.octant_count},
               {"samples", o.samples[0] > 0 ? Json(o.samples) : Json()}, {"spacing", o.spacing > 0 ? Json(o.spacing) : Json()}, {"voxel_count", o.voxel_count}, {"bytes", o.bytes}};
-  const auto or_null = [&](Json part) { return r.failure ? Json() : std::move(part); };
+  const auto unless_failed = [&](Json part) { return r.failure ? Json() : std::move(part); };
   Json by_level = Json::array(), divided;
   for (std::size_t l = 0; l < g.by_level.size(); ++l)
     by_level.push_back({{"level", l}, {"blocks", g.by_level[l].blocks}, {"near_blocks", g.by_level[l].near_blocks}});
@@ -361,17 +358,17 @@ std::string to_json(const FieldResult& r) {
       {"warnings", Json(r.warnings)},
       {"options",
        {{"cell", r.options.cell}, {"cell_was_chosen", r.options.cell_was_chosen}, {"cells_along_longest_side", r.options.cells_along_longest_side},
-        {"band", r.band}, {"gap", json_of(r.options.gap)}, {"max_hole", json_of(r.options.max_hole)}, {"adapt", json_of(r.options.adapt)},
-        {"max_face_limit", json_of(r.limits.max_face_limit)}, {"max_face_cut", json_of(r.limits.max_face_cut)},
-        {"refine_tol", json_of(r.limits.refine_tol)}, {"coarsest_level", r.options.coarsest_level}, {"smooth", r.options.smooth},
+        {"band", r.band}, {"gap", or_null(r.options.gap)}, {"max_hole", or_null(r.options.max_hole)}, {"adapt", or_null(r.options.adapt)},
+        {"max_face_limit", or_null(r.limits.max_face_limit)}, {"max_face_cut", or_null(r.limits.max_face_cut)},
+        {"refine_tol", or_null(r.limits.refine_tol)}, {"coarsest_level", r.options.coarsest_level}, {"smooth", r.options.smooth},
         {"smooth_auto", r.options.smooth_auto}, {"memory_bytes", r.options.memory_bytes}}},
       {"before", json_of(r.before)},
-      {"facets", or_null({{"used", r.facets}, {"interior", r.interior_facets}, {"unresolved", r.unresolved_facets}})},
-      {"regions", or_null({{"count", r.regions}, {"ambiguous", r.ambiguous_regions}})},
+      {"facets", unless_failed({{"used", r.facets}, {"interior", r.interior_facets}, {"unresolved", r.unresolved_facets}})},
+      {"regions", unless_failed({{"count", r.regions}, {"ambiguous", r.ambiguous_regions}})},
       {"grid",
-       or_null({{"blocks", g.blocks}, {"finest_blocks", g.finest_blocks}, {"near_blocks", g.near_blocks}, {"nodes", g.nodes}, {"levels", g.levels},
+       unless_failed({{"blocks", g.blocks}, {"finest_blocks", g.finest_blocks}, {"near_blocks", g.near_blocks}, {"nodes", g.nodes}, {"levels", g.levels},
                 {"by_level", std::move(by_level)}, {"divided", std::move(divided)}, {"bytes", g.bytes}, {"bytes_planned", g.bytes_planned}})},
-      {"volume", or_null({{"input", r.volume.input}, {"prepared", r.volume.prepared}, {"level_set", r.volume.level_set}})},
+      {"volume", unless_failed({{"input", r.volume.input}, {"prepared", r.volume.prepared}, {"level_set", r.volume.level_set}})},
       {"smoothing", json_of(r.smoothing)},
       {"redistancing", r.redistancing ? json_of(*r.redistancing) : Json()},
       {"verification", r.verification ? json_of(*r.verification, r.options.cell) : Json()},

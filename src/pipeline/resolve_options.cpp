@@ -163,24 +163,15 @@ FlowMode flow_mode(SmoothMode mode) {
 
 ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, 0)) : std::nullopt; };
-  ResolvedOptions resolved;
-  resolved.memory_bytes = asked.memory_bytes;
-  resolved.redistance = asked.redistance;
+  ResolvedOptions resolved{{asked}, {}};
   resolved.gap = length(asked.gap);
   resolved.max_hole = asked.keep_openings ? std::optional(0.0) : length(asked.max_hole);
   resolved.thicken = length(asked.thicken);
-  resolved.smooth_auto = asked.smooth_auto;
-  resolved.mode = asked.mode;
-  resolved.keep_volume = asked.keep_volume;
-  resolved.crease_angle = asked.crease_angle;
   resolved.curvature_radius = length(asked.curvature_radius);
   if (asked.deviation && asked.deviation->unit != LengthUnit::cells) resolved.deviation = length(asked.deviation);
   resolved.offset = length(asked.offset);
   if (resolved.offset && asked.offset_inwards) resolved.offset = -*resolved.offset;
   resolved.hollow = length(asked.hollow);
-  resolved.surface = asked.surface;
-  resolved.min_angle = asked.min_angle;
-  resolved.facets = asked.facets;
   resolved.simplify = length(asked.simplify);
   return resolved;
 }

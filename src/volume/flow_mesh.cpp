@@ -34,7 +34,6 @@ constexpr double kBand = 5;          // lattice units: the half diagonal of a ce
 constexpr double kDomainMargin = 4;  // between the band and the walls
 constexpr double kInsideRoom = 2;    // cells around the surface that are there, if its inside is meshed
 constexpr int kMostRefined = 5;      // levels below the cells at the surface
-constexpr double kLeastRoom = 4;     // cells between the surface and a side of the domain
 constexpr double kRoundingOfRoom = 1e-9;  // of it
 constexpr double kCellsOfRoom = 4;   // of the coarsest cells that have room there
 constexpr double kCreaseSnap = 0.7;  // half sides of the smallest cell at a node: nodes nearer than this go to the crease

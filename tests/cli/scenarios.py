@@ -581,6 +581,8 @@ def every_field_of_the_schemas_is_described(_):
         closed = schema.get("additionalProperties") is False
         is_object = "object" in (schema.get("type") or ())
         expect(not is_object or closed, f"{path} is open")
+        optional = set(schema.get("properties", ())) - set(schema.get("required", ()))
+        expect(optional == ({"result"} if path == "batch.schema.json/file" else set()), f"{path}: {optional} may be missing: name them in 'required'")
     for name in ("batch.schema.json", "cell_octree.schema.json", "check.schema.json", "compare.schema.json", "curvature.schema.json", "field.schema.json", "ic.schema.json", "mesh.schema.json", "report.schema.json"):
         schema = validator(name).schema
         walk(schema, name)

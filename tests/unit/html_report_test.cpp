@@ -204,6 +204,18 @@ TEST(HtmlReport, AFilledHoleIsBeyondTheBorderAndTheRestIsNot) {
   EXPECT_EQ(loops["lines"]["count"], report_of(surfaces).before.open_edges);
 }
 
+TEST(HtmlReport, IntersectionsThatARunHasFoundAreNotLookedForAgain) {
+  CleanSurfaces surfaces = surfaces_of(merged(cube(), moved(scaled(cube(), 0.5), {0.75, 0.25, 0.25})), cube());
+  const RepairReport report = report_of(surfaces);
+  const auto pairs = inspect(surfaces.before).self_intersections;
+  ASSERT_GT(pairs.size(), 1u);
+  const std::string found = html_report(report, surfaces);
+  surfaces.intersecting_before = pairs;
+  EXPECT_EQ(html_report(report, surfaces), found);
+  surfaces.intersecting_before.resize(1);  // what is told is believed
+  EXPECT_EQ(data_of(html_report(report, surfaces), "drawing-data")["before"]["marks"]["self_intersection"]["triangles"]["count"], 2);
+}
+
 TEST(HtmlReport, UnchangedSurfacesHaveNoDistance) {
   const CleanSurfaces surfaces = surfaces_of(cube(), cube());
   const json deviation = data_of(html_report(report_of(surfaces), surfaces), "drawing-data")["deviation"];

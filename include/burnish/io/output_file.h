@@ -1,6 +1,7 @@
 // OutputFile: nothing half-written is ever seen under the name the user gave.
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <string>
 
@@ -22,6 +23,8 @@ class OutputFile {
   const std::string& temporary_path() const { return temporary_; }
   const std::string& destination() const { return destination_; }
 
+  // Size of the temporary so far; 0 if the system does not say.
+  std::uint64_t bytes() const;
   // Empties the temporary, for writing it anew.
   void truncate();
   // Writes the temporary's bytes to another open file descriptor, for results that go to standard output. Throws

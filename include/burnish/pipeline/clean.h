@@ -1,7 +1,10 @@
 // The main job: a dirty file in, a verified clean one out.
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <string>
+#include <vector>
 
 #include "burnish/core/progress.h"
 #include "burnish/pipeline/options.h"
@@ -31,6 +34,7 @@ RepairReport clean(const CleanJob& job, Progress& progress = no_progress());
 struct CleanSurfaces {
   TriangleSoup before;  // as read
   TriangleSoup after;   // as written and read back; what was found where the run failed, no facets if nothing was
+  std::vector<std::array<std::uint32_t, 2>> intersecting_before{};  // facets of `before`, as Inspection::self_intersections; may be left empty
 };
 
 // The same, and fills in `surfaces`.

@@ -20,7 +20,7 @@ inline constexpr std::size_t kMostListedDefects = 200;
 //
 // Coordinates are drawn to 1/65535 of the box' sides, signed distances of the result from the input to 1/32767 of the largest.
 // The same bytes for the same arguments and any number of threads. Throws what `progress` throws.
-// Cost: about 3 us for each facet of either side, and the search for self-intersections again if there were some.
+// Cost: about 3 us for each facet of either side, and the search for self-intersections of a surface that has some, unless `surfaces` tells them.
 std::string html_report(const RepairReport& report, const CleanSurfaces& surfaces, Progress& progress = no_progress());
 
 }  // namespace burnish

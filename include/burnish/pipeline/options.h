@@ -68,8 +68,61 @@ struct VolumeOptions {
   bool any() const { return asked || iso || iso_auto || below || !array.empty(); }
 };
 
-// As asked. Lengths may be relative; they become model units once (pipeline/resolve_options.h).
-struct CleanOptions {
+// Options that a run takes as they are asked, and reports so.
+struct PlainOptions {
+  // The noise is estimated and removed, and nothing else; a surface without noise is not smoothed.
+  bool smooth_auto = false;
+  // As resolved, never automatic once smoothing has begun.
+  SmoothMode mode = SmoothMode::automatic;
+  // The enclosed volume stays what it was.
+  bool keep_volume = true;
+  // Edges at which facets meet at more than this angle stay sharp, in degrees. Unset: chosen from the noise for denoising, kCreaseAngle for extraction.
+  std::optional<double> crease_angle;
+  // What keeps the flow of `smooth` a distance function.
+  RedistanceMethod redistance = RedistanceMethod::closest;
+  // What extracts the surface; naming one, or an edge, an edge tolerance or an angle, asks for the level set.
+  Extractor surface = Extractor::automatic;
+  // Of facets, in degrees, away from creases. Asks for Delaunay.
+  std::optional<double> min_angle;
+  // The result, of whichever gear, is simplified to this many facets, or as far as it stays within `simplify` of what it was.
+  std::optional<std::size_t> facets;
+  // The run plans to stay below this many bytes: a default cell is coarsened for it, an explicit one
+  // that needs more ends the run with Error{memory_limit}.
+  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
+};
+
+// Options that are lengths. As asked they are a Length, which may be relative; as resolved a double, in model units.
+template <class L>
+struct LengthOptions {
+  // Blocks of cells are coarser where interpolation between their nodes is off by no more than this. Unset: all cells are finest. Asks for the level set.
+  std::optional<L> adapt;
+  // Only what is curved more than a sphere of this radius is smoothed.
+  std::optional<L> curvature_radius;
+  // Bound on the distance between the smoothed and the repaired surface. Unset: no bound.
+  std::optional<L> deviation;
+  // Points of open edges closer than this are joined: closes cracks up to that width.
+  std::optional<L> gap;
+  // Openings wider than this stay open: the diameter of a circle of the same perimeter. Unset: all are closed.
+  std::optional<L> max_hole;
+  // The result is a shell of this thickness about all facets.
+  std::optional<L> thicken;
+  // The surface is moved outwards by this much; as resolved, inwards if negative. Asks for the level set.
+  std::optional<L> offset;
+  // Only a wall of this thickness stays of the solid, inside its surface; asks for the level set.
+  std::optional<L> hollow;
+  // Length of the facets' edges. Unset: about a cell for Delaunay, half a cell for tetrahedra.
+  std::optional<L> edge;
+  // Facets are larger where the surface is flat: as large as stays within this of it. Asks for Delaunay.
+  std::optional<L> edge_tolerance;
+  // The result, of whichever gear, is simplified as far as it stays within this of what it was.
+  std::optional<L> simplify;
+
+  // Whether a surface parallel to the model's is asked for.
+  bool moves_walls() const { return offset || hollow; }
+};
+
+// As asked. Lengths become model units once (pipeline/resolve_options.h).
+struct CleanOptions : PlainOptions, LengthOptions<Length> {
   // What the model's coordinates are in. Nothing depends on it but what reports say; it goes before what a file says of itself.
   std::optional<ModelUnit> unit;
   VolumeOptions volume;
@@ -83,62 +136,23 @@ struct CleanOptions {
   // The cell where neither is set and a level set is needed, instead of one that follows from the model: smaller if smoothing asks for it, larger if the memory
   // budget does. Asks for nothing.
   std::optional<Length> default_cell;
-  // Blocks of cells are coarser where interpolation between their nodes is off by no more than this; `cell_max` bounds their cells
-  // (8 times the finest when unset). Asks for the level set.
-  std::optional<Length> adapt;
+  // With `adapt`, bounds the cells of coarser blocks (8 times the finest when unset).
   std::optional<Length> cell_max;
   // Wavelengths below this length are removed (attenuated tenfold or more). 0: no smoothing, unless `smooth_auto`.
   Length smooth{};
-  // The noise is estimated and removed, and nothing else; a surface without noise is not smoothed.
-  bool smooth_auto = false;
-  SmoothMode mode = SmoothMode::automatic;
-  // The enclosed volume stays what it was.
-  bool keep_volume = true;
-  // Edges at which facets meet at more than this angle stay sharp, in degrees. Unset: chosen from the noise for denoising, kCreaseAngle for extraction.
-  std::optional<double> crease_angle;
-  // Only what is curved more than a sphere of this radius is smoothed.
-  std::optional<Length> curvature_radius;
   // A file with boxes and spheres, or with a closed surface, to which smoothing is limited (io/region_file.h). Empty: everywhere.
   std::string region;
-  // Bound on the distance between the smoothed and the repaired surface. Unset: no bound.
-  std::optional<Length> deviation;
-  // What keeps the flow of `smooth` a distance function.
-  RedistanceMethod redistance = RedistanceMethod::closest;
-  // Points of open edges closer than this are joined: closes cracks up to that width.
-  std::optional<Length> gap;
-  // Openings wider than this stay open: the diameter of a circle of the same perimeter. Unset: all are closed.
-  std::optional<Length> max_hole;
   // No opening is closed: max_hole of zero.
   bool keep_openings = false;
-  // The result is a shell of this thickness about all facets.
-  std::optional<Length> thicken;
-  // The surface is moved outwards by this much, inwards if `offset_inwards`; asks for the level set.
-  std::optional<Length> offset;
+  // `offset` is inwards.
   bool offset_inwards = false;
-  // Only a wall of this thickness stays of the solid, inside its surface; asks for the level set.
-  std::optional<Length> hollow;
-  // What extracts the surface; naming one, or any of the three sizes below, asks for the level set.
-  Extractor surface = Extractor::automatic;
-  // Length of the facets' edges. Unset: about a cell for Delaunay, half a cell for tetrahedra.
-  std::optional<Length> edge;
-  // Facets are larger where the surface is flat: as large as stays within this of it. Asks for Delaunay.
-  std::optional<Length> edge_tolerance;
-  // Of facets, in degrees, away from creases. Asks for Delaunay.
-  std::optional<double> min_angle;
-  // The result, of whichever gear, is simplified to this many facets,
-  std::optional<std::size_t> facets;
-  // or as far as it stays within this of what it was.
-  std::optional<Length> simplify;
   // Only the component with the largest volume stays.
   bool keep_largest = false;
   // Components with less volume than this are dropped.
   std::optional<VolumeLimit> min_component;
   // Moves the model so that its bounding box is centred near the origin.
   bool recentre = false;
-  // The run plans to stay below this many bytes: a default cell is coarsened for it, an explicit one
-  // that needs more ends the run with Error{memory_limit}.
-  std::uint64_t memory_bytes = std::uint64_t{4} << 30;
-  // Several runs at once share that budget. Where a share does not suffice, the run ends with Error{memory_limit}, a default cell or not, so that it can
+  // Several runs at once share `memory_bytes`. Where a share does not suffice, the run ends with Error{memory_limit}, a default cell or not, so that it can
   // be repeated alone: no result depends on the number of shares.
   std::uint32_t memory_shares = 1;
 
@@ -146,8 +160,6 @@ struct CleanOptions {
 
   bool keeps_openings() const { return keep_openings || max_hole; }
   bool smooths() const { return smooth_auto || smooth.value > 0; }
-  // Whether a surface parallel to the model's is asked for.
-  bool moves_walls() const { return offset || hollow; }
   // Whether something is asked of the surface that an extraction has to do.
   bool asks_for_extraction() const { return surface != Extractor::automatic || edge || asks_for_delaunay(); }
   bool asks_for_delaunay() const { return edge_tolerance || min_angle; }
@@ -157,34 +169,12 @@ struct CleanOptions {
 };
 
 // As resolved, in model units.
-struct ResolvedOptions {
+struct ResolvedOptions : PlainOptions, LengthOptions<double> {
   double cell = 0;               // 0: no level set was built
-  double cells_along_longest_side = 0;
-  std::optional<double> adapt;     // error of interpolation that is allowed in coarser cells; unset: all cells are finest
-  int coarsest_level = 0;          // cells at the surface are at most 2^coarsest_level finest cells wide
-  double smooth = 0;               // 0: no smoothing, or at the noise's own scale
-  bool smooth_auto = false;
-  SmoothMode mode = SmoothMode::automatic;  // never automatic once smoothing has begun
-  bool keep_volume = true;
-  std::optional<double> crease_angle;
-  std::optional<double> curvature_radius;
-  std::optional<double> deviation;
-  std::optional<double> offset;    // negative: inwards
-  std::optional<double> hollow;
-  Extractor surface = Extractor::automatic;
-  std::optional<double> edge;
-  std::optional<double> edge_tolerance;
-  std::optional<double> min_angle;
-  std::optional<std::size_t> facets;
-  std::optional<double> simplify;
-  RedistanceMethod redistance = RedistanceMethod::closest;
-  std::optional<double> gap;
-  std::optional<double> max_hole;  // openings wider than this stay; unset: none does
-  std::optional<double> thicken;
-  std::uint64_t memory_bytes = 0;
   bool cell_was_chosen = false;  // by default rule, not by the user
-
-  bool moves_walls() const { return offset || hollow; }
+  double cells_along_longest_side = 0;
+  int coarsest_level = 0;        // cells at the surface are at most 2^coarsest_level finest cells wide
+  double smooth = 0;             // 0: no smoothing, or at the noise's own scale
 };
 
 }  // namespace burnish

@@ -41,10 +41,13 @@ struct WallLayers {
   double ratio = 1.2;
 };
 
+// Outside: cells between the surface's box and each side of the domain.
+inline constexpr double kLeastRoom = 4;
+
 struct FlowMeshOptions {
   double cell = 0;           // side of the finest cells, those at the surface where it is not flat; in the surface's units
   MeshSide side = MeshSide::inside;
-  Box3 domain;               // outside: the flow domain, at least 4 cells larger than the surface's box on each side; its sides are met exactly [T-HEX-8]
+  Box3 domain;               // outside: the flow domain, at least kLeastRoom cells larger than the surface's box on each side; its sides are met exactly [T-HEX-8]
   MeshFlavour flavour = MeshFlavour::conforming;
   int coarsest_level = 4;    // cells are at most 2^coarsest_level times as large as `cell`; outside also so that four fit between surface and domain
   int flat_levels = 1;       // where the surface is flat its cells may be up to 2^flat_levels times as large
