@@ -198,7 +198,7 @@ class CleanCommand : public Command {
     if (job_.output == "-" && is_terminal(STDOUT_FILENO)) {
       refuse("-o - would print a binary file on the terminal", "redirect standard output, or name a file");
     }
-    if (quiet_ && verbose_) refuse("-q and -v exclude each other", "");
+    if (quiet_ && verbose_) refuse("-q and -v exclude each other", "leave one of the two out");
     if (job_.output != "-") static_cast<void>(format_for_writing(job_.output));
   }
 

@@ -97,7 +97,7 @@ class Parser {
 
   std::string_view value_of(const Option& option, std::string_view name) {
     if (next_ < arguments_.size() && !looks_like_option(arguments_[next_])) return arguments_[next_++];
-    if (next_ == arguments_.size()) refuse(fmt::format("{} needs a value: {}", name, option.value.name), "");
+    if (next_ == arguments_.size()) refuse(fmt::format("{} needs a value: {}", name, option.value.name), fmt::format("write it behind the option: {} {}", name, option.value.name));
     refuse(fmt::format("{} needs a value: {}, found the option '{}'", name, option.value.name, arguments_[next_]),
            fmt::format("a value that begins with a dash is given as {}={}", option.name, arguments_[next_]));
   }

@@ -65,7 +65,7 @@ std::size_t place_among(const GivenValue& given, const std::vector<std::string>&
   const auto at = std::find(words.begin(), words.end(), given.text);
   if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
   const auto near = nearest(given.text, words);
-  refuse(given, fmt::format("expected one of {}", fmt::join(words, ", ")), near ? fmt::format("did you mean '{}'?", *near) : std::string());
+  refuse(given, fmt::format("expected one of {}", fmt::join(words, ", ")), near ? fmt::format("did you mean '{}'?", *near) : std::string("--help tells what each of them does"));
 }
 
 std::size_t place_among(const GivenValue& given) { return place_among(given, {given.words.begin(), given.words.end()}); }
@@ -77,7 +77,7 @@ std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::
   const char* const end = given.text.data() + given.text.size();
   const auto [stop, error] = std::from_chars(given.text.data(), end, value);
   if (error != std::errc{} || stop != end || value < least || value > most) {
-    refuse(given, fmt::format("expected a whole number from {} to {}", least, most), "");
+    refuse(given, fmt::format("expected a whole number from {} to {}", least, most), fmt::format("write it in digits alone, such as {} {}", given.name, std::max<std::uint64_t>(least, 1)));
   }
   return value;
 }
@@ -86,7 +86,7 @@ double finite_number(const GivenValue& given) {
   double value = 0;
   const char* const end = given.text.data() + given.text.size();
   const auto [stop, error] = std::from_chars(given.text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value)) refuse(given, "expected a number", "");
+  if (error != std::errc{} || stop != end || !std::isfinite(value)) refuse(given, "expected a number", "write it with a decimal point and without a unit, such as 0.5");
   return value;
 }
 
@@ -95,14 +95,14 @@ double non_negative_number(const GivenValue& given) {
   const char* const end = given.text.data() + given.text.size();
   const auto [stop, error] = std::from_chars(given.text.data(), end, value);
   if (error != std::errc{} || stop != end || !std::isfinite(value) || value < 0) {
-    refuse(given, "expected a number that is not negative", "");
+    refuse(given, "expected a number that is not negative", "write 0 or more, with a decimal point and without a unit, such as 0.5");
   }
   return value;
 }
 
 double positive_number(const GivenValue& given) {
   const double value = non_negative_number(given);
-  if (!(value > 0)) refuse(given, "expected a number greater than zero", "");
+  if (!(value > 0)) refuse(given, "expected a number greater than zero", "write it with a decimal point and without a unit, such as 0.5");
   return value;
 }
 

@@ -76,7 +76,7 @@ std::optional<XmlTag> XmlTags::next() {
     position_ = tag.at + 1;
     const bool is_comment = rest().starts_with("!--");
     const std::size_t end = is_comment ? rest().find("-->") : end_of_tag(rest());
-    if (end == std::string_view::npos) source_.fail_at(tag.at, "expected the end of a tag, found that of the file", "");
+    if (end == std::string_view::npos) source_.fail_at(tag.at, "expected the end of a tag, found that of the file", "the file was cut off: copy it again, or export the volume again");
     std::string_view inside = rest().substr(0, end);
     position_ += end + (is_comment ? 3 : 1);
     if (inside.starts_with('!') || inside.starts_with('?')) continue;

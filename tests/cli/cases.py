@@ -66,7 +66,7 @@ USAGE = [
     usage("cube.stl -o x.stl --resolution 10.5", r"--resolution 10\.5: .*whole number"),
     usage("cube.stl -o x.stl --resolution 99999999999999999999", r"--resolution 9+: .*from 8"),
     usage("cube.stl -o x.stl --cell 1 --resolution 10", r"--cell and --resolution exclude"),
-    usage("cube.stl -o x.stl --method xyz", r"--method xyz: expected one of auto, local, levelset\n\Z"),
+    usage("cube.stl -o x.stl --method xyz", r"--method xyz: expected one of auto, local, levelset\n  hint: --help tells what each of them does\n\Z"),
     usage("cube.stl -o x.stl --method lokal", r"--method lokal: expected one of .*\n  hint: did you mean 'local'\?"),
     usage("cube.stl -o x.stl --method level_set", r"--method level_set: .*\n  hint: did you mean 'levelset'\?"),
     usage("cube.stl -o x.stl --nested cavty", r"--nested cavty: .*\n  hint: did you mean 'cavity'\?"),

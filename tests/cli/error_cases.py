@@ -8,14 +8,17 @@ To add a message: scripts/check_errors says where it is to be listed; a row in t
 """
 import importlib.machinery
 import importlib.util
+import os
 import re
 import shlex
 import sys
+from concurrent.futures import ThreadPoolExecutor
 
 import batch_rows
 import cases
 import error_rows
 import fault_rows
+import faults
 import named_tests
 import option_rows
 import result_rows
@@ -128,8 +131,10 @@ def lacks_hint(code, text):
 def every_message_is_provoked(program):
     """All that the catalogue lists is printed by a row here or of cases.py, or asserted by a named test."""
     catalogue = load_checker().catalogue(ROOT)
-    told = [(row.command, *row.run(program)) for row in ROWS]
-    told += [(case.command, *run_row(case, program)) for rows in cases.GROUPS.values() for case in rows if case.code != 0]
+    faults.library()  # before there are threads
+    with ThreadPoolExecutor(os.cpu_count()) as pool:
+        told = [*pool.map(lambda row: (row.command, *row.run(program)), ROWS)]
+        told += pool.map(lambda case: (case.command, *run_row(case, program)), (case for rows in cases.GROUPS.values() for case in rows if case.code != 0))
     bare = [(command, text) for command, code, text in told if lacks_hint(code, text)]
     runner.expect(not bare, "errors without a hint at a way out:\n" + "\n".join(f"  {command}\n{text}" for command, text in bare))
     printed = [(code, text) for _, code, text in told]

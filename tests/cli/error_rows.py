@@ -87,6 +87,8 @@ ROWS = [
     vti("expected data compressed by zlib, or not at all; found {}", ("<VTKFile ", '<VTKFile compressor="vtkLZ4DataCompressor" ')),
     vti("expected axes parallel to the coordinates', found Direction={}", ("<ImageData ", '<ImageData Direction="0 1 0 1 0 0 0 0 1" ')),
     vti("expected an extent of six whole numbers, from and to along each axis; found {}", ("0 3 0 3 0 3", "0 3 0 3")),
+    # Of cells, which an extent of one node has none of.
+    vti("{}: expected at least one along each axis", ("0 3 0 3 0 3", "0 0 0 3 0 3"), ("0 3 0 3 0 3", "0 0 0 3 0 3"), ("<PointData>", "<CellData>"), ("</PointData>", "</CellData>")),
     vti("expected three finite numbers as {}, found {}", ('Origin="0 0 0"', 'Origin="0 0 x"')),
     vti("expected one piece that is the whole image, found a part of it", ('Piece Extent="0 3', 'Piece Extent="0 2')),
     vti("expected an encoding raw or base64, found {}", ("</VTKFile>", '<AppendedData encoding="hex">_</AppendedData></VTKFile>')),
