@@ -22,7 +22,7 @@ std::string list_of(const std::vector<std::string_view>& words) {
 }
 
 std::string kind_of(const Value& value) {
-  const std::string words = list_of(value.words);
+  std::string words = list_of(value.words);
   const std::string or_words = words.empty() ? "" : fmt::format(", or {}", words);
   switch (value.kind) {
     case Value::Kind::text: return "";

@@ -87,8 +87,8 @@ bool is_closed(const Object& object) {
   std::vector<std::uint64_t> ways;
   for (const Facet& f : object.facets)
     for (std::size_t i = 0; i < 3; ++i) ways.push_back(std::uint64_t{f[i]} << 32 | f[(i + 1) % 3]);
-  std::vector<std::uint64_t> back;
-  for (const std::uint64_t w : ways) back.push_back(w << 32 | w >> 32);
+  std::vector<std::uint64_t> back(ways.size());
+  std::transform(ways.begin(), ways.end(), back.begin(), [](std::uint64_t w) { return w << 32 | w >> 32; });
   std::sort(ways.begin(), ways.end());
   std::sort(back.begin(), back.end());
   return ways == back;
