@@ -3,6 +3,7 @@
 
 #include <array>
 #include <filesystem>
+#include <iterator>
 #include <functional>
 #include <utility>
 
@@ -231,6 +232,7 @@ class CleanCommand : public Command {
     fs::create_directories(snapshots_, error);
     if (error) throw Error(ErrorCode::unwritable_output, fmt::format("{}: cannot be made: {}", snapshots_, error.message()), "name another folder for --snapshots");
     std::vector<SweepStep> steps;
+    steps.reserve(std::size(kSnapshotPercents) + 1);
     for (const int percent : kSnapshotPercents) steps.push_back({Length{0.01 * percent * job_.options.smooth.value, job_.options.smooth.unit}, snapshot_file(snapshots_, job_.output, percent)});
     steps.push_back({job_.options.smooth, job_.output});
     std::vector<RepairReport> reports = sweep(job_, steps, console);

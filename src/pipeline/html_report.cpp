@@ -20,7 +20,7 @@ constexpr double kShownShare = 0.98;  // of the drawn points are within the scal
 constexpr double kNothing = 1e-6;      // of the diagonal: distances below it are those of rounding
 constexpr double kOnEdge = 1e-9;       // of the diagonal
 
-struct Side {
+struct Side {  // NOLINT(bugprone-exception-escape): its move is that of Json, which does not throw
   TriangleSoup drawn;  // ordered by first use
   Json json;
   std::vector<DefectiveEdge> open_edges;

@@ -17,7 +17,7 @@ namespace {
 // Names in messages may hold any bytes.
 py::str shown(const std::string& message) { return burnish::text_of(message, "backslashreplace"); }
 
-void translate(std::exception_ptr thrown) {
+void translate(std::exception_ptr thrown) {  // NOLINT(performance-unnecessary-value-param): as pybind11 calls it
   try {
     if (thrown) std::rethrow_exception(thrown);
   } catch (const burnish::Error& error) {
