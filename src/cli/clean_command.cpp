@@ -3,8 +3,8 @@
 
 #include <array>
 #include <filesystem>
-#include <iterator>
 #include <functional>
+#include <iterator>
 #include <utility>
 
 #include "burnish/core/error.h"
