@@ -87,7 +87,7 @@ CompareResult compare_surfaces(TriangleSoup a, TriangleSoup b, const CompareJob&
   std::optional<Registration> alignment;
   if (job.align) alignment = align(first, second, progress);
   CompareResult result = measure(job, first, second, progress);
-  result.alignment = std::move(alignment);
+  result.alignment = alignment;
   result.a = std::move(first.file);
   result.b = std::move(second.file);
   return result;
@@ -126,7 +126,7 @@ CompareResult compare_files(const CompareJob& job, Progress& progress) {
   if (job.align) alignment = align(a, b, progress);
   if (aligned) aligned->write(a);
   CompareResult result = measure(job, a, b, progress);
-  result.alignment = std::move(alignment);
+  result.alignment = alignment;
   if (output) {
     output->write(deviation_of(a, b, progress));
     result.sign = b.rule;

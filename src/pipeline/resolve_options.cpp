@@ -163,7 +163,7 @@ FlowMode flow_mode(SmoothMode mode) {
 
 ResolvedOptions resolve_lengths(const CleanOptions& asked, double diagonal) {
   const auto length = [&](const std::optional<Length>& l) { return l ? std::optional(l->in_model_units(diagonal, 0)) : std::nullopt; };
-  ResolvedOptions resolved{{asked}, {}};
+  ResolvedOptions resolved{static_cast<const PlainOptions&>(asked), {}};
   resolved.gap = length(asked.gap);
   resolved.max_hole = asked.keep_openings ? std::optional(0.0) : length(asked.max_hole);
   resolved.thicken = length(asked.thicken);
