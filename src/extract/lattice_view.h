@@ -72,7 +72,7 @@ class LatticeView {
 template <class T, class U>
 void copy_same_level(const Octree& tree, const Field<T>& field, std::size_t leaf, U outside, U* dense) {
   if (field.empty()) return void(std::fill_n(dense, LatticeView::kNodes, outside));
-  constexpr int w = LatticeView::kWidth;
+  static constexpr int w = LatticeView::kWidth;
   for (int dir = 0; dir < kDirections; ++dir) {
     const auto [dx, dy, dz] = offset_of(dir);
     const auto begin = [](int d) { return d < 0 ? -w : d > 0 ? kBlockSide : 0; };

@@ -88,6 +88,7 @@ struct Crossing {
 
 std::vector<Crossing> cross_rays(const TriangleSoup& soup, const Shells& shells, const std::vector<Sample>& samples) {
   std::vector<Vec3> points;
+  points.reserve(samples.size());
   for (const Sample& s : samples) points.push_back(s.at);
   const PointColumns columns(points);
   std::vector<std::vector<Crossing>> parts((soup.facets.size() + kGrain - 1) / kGrain);

@@ -55,7 +55,7 @@ double mean_of_ways(double there, double back, const TwoWayError& e) {
 }  // namespace
 
 CreaseEdges::CreaseEdges(const TriangleSoup& welded, double degrees) : index_([&] {
-  const TriangleSoup edges = folded(welded, find_creases(welded, {.angle = degrees}));
+  TriangleSoup edges = folded(welded, find_creases(welded, {.angle = degrees}));
   count_ = edges.facets.size();
   for (std::size_t f = 0; f < count_; ++f) length_ += norm(edges.corner(f, 1) - edges.corner(f, 0));
   return edges;

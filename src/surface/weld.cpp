@@ -125,8 +125,8 @@ class BoundaryJoiner {
   void for_each_near(const Vec3& at, Visit&& visit) const {
     const Vec3 cell = cell_of(at);
     for (int i = 0; i < 27; ++i) {
-      const Vec3 offset{static_cast<double>(i % 3 - 1), static_cast<double>(i / 3 % 3 - 1),
-                        static_cast<double>(i / 9 - 1)};
+      const int x = i % 3 - 1, y = i / 3 % 3 - 1, z = i / 9 - 1;
+      const Vec3 offset{static_cast<double>(x), static_cast<double>(y), static_cast<double>(z)};
       const std::uint32_t number = cells_.find(cell + offset);
       if (number == PointTable::kFree) continue;
       for (const std::uint32_t leader : leaders_in_cell_[number]) visit(leader);

@@ -40,6 +40,7 @@ std::vector<BadCell> Mending::mend(std::vector<BadCell> bad, int rounds) {
 // Those that checkMesh itself would refuse or warn of come before those that are beyond our own limits only.
 std::vector<std::uint32_t> Mending::worst_first(const std::vector<BadCell>& bad) const {
   std::vector<std::uint32_t> cells;
+  cells.reserve(bad.size());
   for (const BadCell& b : bad) cells.push_back(b.cell);
   const std::vector<BadCell> refused = bad_cells_among(volume_.mesh, faces_, cells);
   const auto is_refused = [&](std::uint32_t cell) { return std::binary_search(refused.begin(), refused.end(), BadCell{cell, {}, 0, 0}, [](const BadCell& a, const BadCell& b) { return a.cell < b.cell; }); };
@@ -80,6 +81,7 @@ std::vector<Vec3> Mending::places_for(std::uint32_t p) {
   at = start;
   std::stable_sort(places.begin(), places.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   std::vector<Vec3> sorted;
+  sorted.reserve(places.size());
   for (const auto& place : places) sorted.push_back(place.second);
   return sorted;
 }
