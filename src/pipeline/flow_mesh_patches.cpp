@@ -46,9 +46,10 @@ void require_one_type_each(const std::vector<std::pair<std::string, std::string>
 
 void set_patch_types(const std::vector<std::pair<std::string, std::string>>& types, std::vector<MeshPatch>& patches) {
   for (const auto& [name, type] : types) {
-    const auto at = std::find_if(patches.begin(), patches.end(), [&](const MeshPatch& p) { return p.name == name; });
+    const auto at = std::find_if(patches.begin(), patches.end(), [&wanted = name](const MeshPatch& p) { return p.name == wanted; });
     if (at == patches.end()) {
       std::vector<std::string> names;
+      names.reserve(patches.size());
       for (const MeshPatch& p : patches) names.push_back(p.name);
       throw Error(ErrorCode::usage, fmt::format("the mesh has no patch {}: its patches are {}", name, fmt::join(names, ", ")), "name one of these");
     }
