@@ -9,6 +9,7 @@ namespace burnish::example {
 
 std::vector<double> even_angles(int count) {
   std::vector<double> angles;
+  angles.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) angles.push_back(2 * kPi * i / count);
   return angles;
 }
@@ -100,6 +101,7 @@ constexpr std::array<VaseRing, 33> kVaseRings{{
 // Angles with gaps of 0.6 to 1.4 of their mean, so that no two rings' triangles line up.
 std::vector<double> uneven_angles(int count, Random& random) {
   std::vector<double> angles;
+  angles.reserve(static_cast<std::size_t>(count));
   for (int i = 0; i < count; ++i) angles.push_back(2 * kPi * (i + random.uniform(-0.2, 0.2)) / count);
   return angles;
 }
