@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <optional>
 
 #include "burnish/core/error.h"
 #include "suggest.h"
@@ -18,6 +19,14 @@ constexpr std::string_view kLengthHint =
 [[noreturn]] void refuse(const GivenValue& given, std::string_view complaint, std::string_view hint) {
   throw Error(ErrorCode::usage, fmt::format("{} {}: {}", given.name, given.text, complaint),
               std::string(hint));
+}
+
+// All of the text as a finite number.
+std::optional<double> number_in(std::string_view text) {
+  double value = 0;
+  const char* const end = text.data() + text.size();
+  const auto [stop, error] = std::from_chars(text.data(), end, value);
+  return error == std::errc{} && stop == end && std::isfinite(value) ? std::optional(value) : std::nullopt;
 }
 
 // A number and the name of a unit.
@@ -83,21 +92,15 @@ std::uint64_t integer_within(const GivenValue& given, std::uint64_t least, std::
 }
 
 double finite_number(const GivenValue& given) {
-  double value = 0;
-  const char* const end = given.text.data() + given.text.size();
-  const auto [stop, error] = std::from_chars(given.text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value)) refuse(given, "expected a number", "write it with a decimal point and without a unit, such as 0.5");
-  return value;
+  const std::optional<double> value = number_in(given.text);
+  if (!value) refuse(given, "expected a number", "write it with a decimal point and without a unit, such as 0.5");
+  return *value;
 }
 
 double non_negative_number(const GivenValue& given) {
-  double value = 0;
-  const char* const end = given.text.data() + given.text.size();
-  const auto [stop, error] = std::from_chars(given.text.data(), end, value);
-  if (error != std::errc{} || stop != end || !std::isfinite(value) || value < 0) {
-    refuse(given, "expected a number that is not negative", "write 0 or more, with a decimal point and without a unit, such as 0.5");
-  }
-  return value;
+  const std::optional<double> value = number_in(given.text);
+  if (!value || *value < 0) refuse(given, "expected a number that is not negative", "write 0 or more, with a decimal point and without a unit, such as 0.5");
+  return *value;
 }
 
 double positive_number(const GivenValue& given) {
