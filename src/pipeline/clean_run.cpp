@@ -215,7 +215,7 @@ bool CleanRun::verify_local(const LocalSolution& solution, std::string& why_not)
 
 void CleanRun::hold_deviation(const TriangleSoup& repaired, double slack) {
   if (!report_.options.deviation || !plan_.smooths()) return;
-  report_.smoothing.deviation = std::max(one_sided_distance(result_, TriangleIndex(repaired)).max, one_sided_distance(repaired, TriangleIndex(result_)).max);
+  report_.smoothing.deviation = std::max(one_sided_distance(result_, TriangleIndex(repaired), {}, nullptr, progress_).max, one_sided_distance(repaired, TriangleIndex(result_), {}, nullptr, progress_).max);
   const double bound = *report_.options.deviation;
   if (report_.smoothing.deviation <= bound + slack) return;
   report_.verified = false;
